@@ -1,0 +1,75 @@
+// render/render.h: draw frame packets of one terrain. Everything of GL is behind this header.
+// ECEF metres in double; the camera frame is x right, y up, z backwards; pixels.
+// A Renderer belongs to the thread that has the context current; it borrows the Terrain.
+#pragma once
+#include "base/base.h"
+#include "base/vec.h"
+#include "terrain/lod.h"
+#include "terrain/terrain.h"
+
+typedef enum RenderColouring {
+    RENDER_COLOUR_LAND,  // height, slope, water, or the draped image
+    RENDER_COLOUR_LEVEL, // by patch level
+    RENDER_COLOUR_CACHE, // by cache state: reused, retriangulated, uploaded in this frame
+    RENDER_COLOUR_PARTITION,
+    RENDER_COLOURING_COUNT
+} RenderColouring;
+
+typedef struct RenderCamera {
+    Vec3d eye_ecef;
+    Mat3d camera_from_ecef; // rows: right, up, back
+    double fov_y_rad;       // 1 .. 179 degrees
+} RenderCamera;
+
+// What the HUD and the panel say. Text is UTF-8.
+typedef struct RenderHud {
+    bool show_flight, show_numbers, show_help;
+    double heading_rad, pitch_rad, bank_rad;
+    double speed_m_s, altitude_m, above_ground_m, vertical_speed_m_s, throttle; // throttle 0..1
+    Vec3d velocity_ecef;      // m/s, for the flight path marker
+    bool over_terrain;        // above_ground_m is valid
+    bool crashed, paused;
+    const char *datum;        // of altitude_m: "EGM96"; static
+    double frame_ms, frame_p99_ms; // of the last seconds, whole frames
+    const char *message;      // one line for a few seconds, or NULL; lives as long as the packet
+} RenderHud;
+
+// Immutable once handed over. `cut` and what it points to live until lod_release of its frame.
+typedef struct RenderPacket {
+    LodCut cut;
+    RenderCamera camera;
+    Vec3d sun_ecef;           // unit vector towards the sun
+    RenderColouring colouring;
+    bool wireframe;
+    bool magenta_background;  // for the pinhole test: the sky is one flat (255, 0, 255)
+    RenderHud hud;
+} RenderPacket;
+
+typedef struct RenderStats {
+    int64_t draws, triangles_drawn, patches_drawn; // after view culling
+    int64_t upload_bytes, evictions;
+    int64_t vram_bytes;          // in use in the patch cache
+    double upload_ms, draw_ms;   // draw_ms by glFinish and the clock on a software renderer, else timer queries
+    bool software;
+} RenderStats;
+
+typedef struct RenderOptions {
+    int width, height;         // pixels
+    size_t vram_bytes_max;     // of the patch cache
+    const char *image_path;    // draped image, or NULL
+    bool image_bounds_given;   // else the image's own georeference
+    double image_west_deg, image_south_deg, image_east_deg, image_north_deg;
+    bool measure_times;        // true: finish each frame to time it
+} RenderOptions;
+RenderOptions render_default_options(void);
+
+typedef struct Renderer Renderer;
+MUST_USE Result render_create(const RenderOptions *options, const Terrain *terrain, Renderer **out);
+void render_destroy(Renderer **renderer);
+void render_resize(Renderer *renderer, int width, int height);
+
+// Uploads what changed and draws to the current framebuffer of the context (window or offscreen).
+MUST_USE Result render_frame(Renderer *renderer, const RenderPacket *packet, RenderStats *stats);
+
+// The finished picture, top row first, RGB, width * height * 3 bytes.
+MUST_USE Result render_read_pixels(Renderer *renderer, uint8_t *rgb);
