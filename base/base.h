@@ -34,7 +34,7 @@ const char *result_name(Result result);
 const char *result_text(Result result);
 
 #define MUST_USE __attribute__((warn_unused_result))
-#define PRINTF_LIKE(format, first) __attribute__((format(printf, format, first)))
+#define PRINTF_LIKE(text, first) __attribute__((format(printf, text, first)))
 #define COUNT_OF(array) (sizeof(array) / sizeof((array)[0]))
 
 // Several builds of one function, chosen when the program starts. Without contraction of multiply-adds
