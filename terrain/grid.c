@@ -41,8 +41,8 @@ typedef struct Control {
 struct Grid {
     DemGeoref georef;
     int width, height;
-    LonTrig *lon; // [width], geographic only
-    LatTrig *lat; // [height], geographic only
+    LonTrig *lon;     // [width], geographic only
+    LatTrig *lat;     // [height], geographic only
     Control *control; // [control_rows][control_cols], UTM only, as are the weights
     int64_t control_cols, control_rows;
     Weights *col_weights; // [width]
@@ -117,8 +117,8 @@ static void fill_weights(Weights *weights, int samples, int64_t controls) {
         int64_t first = (int64_t)t - 1;
         first = first < 0 ? 0 : first > controls - 4 ? controls - 4 : first;
         double u = t - (double)first; // 0..3
-        weights[i] = (Weights){{-(u - 1) * (u - 2) * (u - 3) / 6, u * (u - 2) * (u - 3) / 2,
-                                -u * (u - 1) * (u - 3) / 2, u * (u - 1) * (u - 2) / 6},
+        weights[i] = (Weights){{-(u - 1) * (u - 2) * (u - 3) / 6, u * (u - 2) * (u - 3) / 2, -u * (u - 1) * (u - 3) / 2,
+                                u * (u - 1) * (u - 2) / 6},
                                first};
     }
 }
@@ -315,7 +315,7 @@ bool grid_from_geodetic(const Grid *grid, double lat_deg, double lon_deg, double
 #define ROUNDING 1.000001 // what rounding, interpolation and M' can add, generously
 
 typedef struct LatRange {
-    double cos_max, sin_max;         // absolute values
+    double cos_max, sin_max;           // absolute values
     double axis_max_m, meridian_max_m; // radius of the largest parallel; meridian radius of curvature
 } LatRange;
 
@@ -364,8 +364,8 @@ static GridBounds bounds_geographic(const Grid *grid, int row_begin, int row_end
 }
 
 // A conformal map of scale k >= 0.9996 turns a metre of grid into 1/k metres of ellipsoid. Along a straight line
-// of the grid the second derivative has a normal part of at most 1 / (k^2 R) and a tangential one of |grad ln k| / k^2, which is
-// x / R^2 at x from the central meridian: with x <= 500 km together less than 1.005 / R.
+// of the grid the second derivative has a normal part of at most 1 / (k^2 R) and a tangential one of |grad ln k| / k^2,
+// which is x / R^2 at x from the central meridian: with x <= 500 km together less than 1.005 / R.
 static GridBounds bounds_utm(const Grid *grid, double h_m) {
     double dx = grid->georef.dx, dy = fabs(grid->georef.dy);
     double raised = ROUNDING * (1.0 + h_m / RADIUS_MIN_M), longest = fmax(dx, dy) / UTM_SCALE_MIN;

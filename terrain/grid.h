@@ -16,13 +16,13 @@ typedef struct GridPoint {
     int64_t x, y, z; // ECEF in units of GRID_LATTICE_M
 } GridPoint;
 
-// RANGE, with a message: not 2..DEM_SIDE_MAX samples a side, spacing not dx > 0 > dy, latitudes more than a row beyond a
-// pole, more than 360 degrees, or outside the UTM zone's domain; MEMORY.
+// RANGE, with a message: not 2..DEM_SIDE_MAX samples a side, spacing not dx > 0 > dy, latitudes more than a row beyond
+// a pole, more than 360 degrees, or outside the UTM zone's domain; MEMORY.
 MUST_USE Result grid_create(const DemGeoref *georef, int width, int height, Grid **out);
 void grid_destroy(Grid **grid);
 
 // Exact for geographic grids, up to double rounding (1e-8 m); for UTM an interpolant within 1 mm of GeographicLib.
-// The same arguments give the same bits, and so does a geographic DEM shifted by a multiple of 360 degrees.
+// The same arguments give the same bits, and so does a geographic DEM shifted by 360 degrees.
 Vec3d grid_ecef(const Grid *grid, int col, int row, double h_m);
 // The point of the ellipsoid and the unit normal there; grid_ecef is point + h * normal.
 void grid_base(const Grid *grid, int col, int row, Vec3d *point, Vec3d *normal);
@@ -40,8 +40,8 @@ bool grid_from_geodetic(const Grid *grid, double lat_deg, double lon_deg, double
 
 // Upper bounds over rows row_begin..row_end (inclusive) and heights up to h_max_m, for the error fields: the
 // distance between horizontal neighbours (across, metres a column) and vertical ones (down, metres a row) at one
-// height, and the norm of the second derivative of the map along any unit direction of (col, row), metres per squared cell:
-// between vertices within a circle of rho cells, linear interpolation is off by at most bend_m rho^2 / 2.
+// height, and the norm of the second derivative of the map along any unit direction of (col, row), metres per squared
+// cell: between vertices within a circle of rho cells, linear interpolation is off by at most bend_m rho^2 / 2.
 typedef struct GridBounds {
     double across_m, down_m, bend_m;
 } GridBounds;
