@@ -36,8 +36,11 @@ function(overfly_data_folder name source)
 endfunction()
 
 # overfly_data_made(geoid egm96-15.pgm): a file that a build step writes to ${OVERFLY_DATA_STAGE}/geoid.
+# Called in the folder of that step.
 function(overfly_data_made folder file)
   file(MAKE_DIRECTORY ${OVERFLY_DATA_STAGE}/${folder})
+  add_custom_target(overfly_${folder}_data ALL DEPENDS ${OVERFLY_DATA_STAGE}/${folder}/${file})
+  set_property(GLOBAL APPEND PROPERTY OVERFLY_PARTS overfly_${folder}_data)
   install(FILES ${OVERFLY_DATA_STAGE}/${folder}/${file} DESTINATION ${CMAKE_INSTALL_DATADIR}/overfly/${folder})
 endfunction()
 
@@ -45,5 +48,6 @@ endfunction()
 function(overfly_module)
   cmake_parse_arguments(MODULE "" "TARGET" "" ${ARGN})
   set_target_properties(${MODULE_TARGET} PROPERTIES PREFIX "" LIBRARY_OUTPUT_DIRECTORY ${OVERFLY_MODULE_STAGE})
+  set_property(GLOBAL APPEND PROPERTY OVERFLY_PARTS ${MODULE_TARGET})
   install(TARGETS ${MODULE_TARGET} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/overfly)
 endfunction()
