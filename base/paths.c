@@ -94,15 +94,3 @@ Result paths_find_module(const char *file_name, char out[PATHS_BYTES_MAX]) {
     collect_places(&places, "lib/overfly", PATHS_MODULE_FROM_BIN, PATHS_MODULE_PREFIX);
     return find_or_log(&places, file_name, "install overfly again", out);
 }
-
-Result paths_user_config(const char *relative, char out[PATHS_BYTES_MAX]) {
-    // The XDG rule: a relative XDG_CONFIG_HOME is to be ignored.
-    const char *config = getenv("XDG_CONFIG_HOME");
-    const char *home = getenv("HOME");
-    int printed = -1;
-    if (config && config[0] == '/')
-        printed = snprintf(out, PATHS_BYTES_MAX, "%s/overfly/%s", config, relative);
-    else if (home && *home)
-        printed = snprintf(out, PATHS_BYTES_MAX, "%s/.config/overfly/%s", home, relative);
-    return fits(printed) ? RESULT_OK : RESULT_NOT_FOUND;
-}

@@ -1,4 +1,4 @@
-// base/paths.h: where the program's own data and modules lie, and where the user's files belong.
+// base/paths.h: where the program's own data and modules lie.
 // File system paths, UTF-8, '/' between parts.
 // The caller owns every buffer. Any thread, as long as none changes the environment.
 #pragma once
@@ -14,7 +14,3 @@ MUST_USE Result paths_find_data(const char *relative, char out[PATHS_BYTES_MAX])
 
 // The loadable module `file_name` ("overfly_image.so"), by the same rule in lib/overfly and without the environment.
 MUST_USE Result paths_find_module(const char *file_name, char out[PATHS_BYTES_MAX]);
-
-// The user's own file `relative`: $XDG_CONFIG_HOME/overfly, else ~/.config/overfly. It need not exist.
-// NOT_FOUND when the environment names neither folder; nothing is logged.
-MUST_USE Result paths_user_config(const char *relative, char out[PATHS_BYTES_MAX]);

@@ -87,26 +87,11 @@ static void overlong_names_are_not_found(void **state) {
     log_set_sink(NULL, NULL);
 }
 
-static void user_folder_follows_xdg(void **state) {
-    (void)state;
-    char found[PATHS_BYTES_MAX];
-    setenv("HOME", "/home/someone", 1);
-    setenv("XDG_CONFIG_HOME", "/conf", 1);
-    assert_int_equal(paths_user_config("overfly.conf", found), RESULT_OK);
-    assert_string_equal(found, "/conf/overfly/overfly.conf");
-    setenv("XDG_CONFIG_HOME", "relative/is/ignored", 1);
-    assert_int_equal(paths_user_config("overfly.conf", found), RESULT_OK);
-    assert_string_equal(found, "/home/someone/.config/overfly/overfly.conf");
-    unsetenv("XDG_CONFIG_HOME");
-    unsetenv("HOME");
-    assert_int_equal(paths_user_config("overfly.conf", found), RESULT_NOT_FOUND);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(chosen_folder_wins),           cmocka_unit_test(chosen_folder_is_the_only_one),
         cmocka_unit_test(build_tree_finds_its_data),    cmocka_unit_test(missing_file_is_named_with_every_place),
-        cmocka_unit_test(overlong_names_are_not_found), cmocka_unit_test(user_folder_follows_xdg),
+        cmocka_unit_test(overlong_names_are_not_found),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,12 +2,13 @@
 # Shared by ./fly and ./check: packages, configuring, building. Sourced by bash in the root of the project.
 export DEBIAN_FRONTEND=noninteractive TZ="${TZ:-UTC}"
 
+# Each argument is a line.
 say() {
-    printf '%s\n' "$*"
+    printf '%s\n' "$@"
 }
 
 fail() {
-    printf '%s\n' "$*" >&2
+    printf '%s\n' "$@" >&2
     exit 1
 }
 
@@ -49,7 +50,7 @@ install_packages() {
     local missing
     mapfile -t missing < <(packages_missing "$1")
     [ ${#missing[@]} -eq 0 ] && return
-    say "Installing ${#missing[@]} packages:" "${missing[@]}"
+    say "Installing ${#missing[@]} packages: ${missing[*]}"
     apt_as_root update -qq || say "apt-get update failed; trying with the package lists at hand." >&2
     apt_as_root install -y --no-install-recommends -o Dpkg::Use-Pty=0 -qq "${missing[@]}" >"$setup_log" 2>&1 || {
         tail -n 30 "$setup_log" >&2
