@@ -1,0 +1,169 @@
+// The only file that knows OpenImageIO. Built as a module of its own: the library brings hundreds of shared objects,
+// which programs that read no image should not wait for.
+#include "assets/image_module.h"
+
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <new>
+#include <string>
+
+struct ImageReader {
+    std::unique_ptr<OIIO::ImageInput> input;
+    bool tiled;
+};
+
+namespace {
+
+constexpr int STRIP_ROWS = 64; // enough for the library's threads to share
+
+void set_error(ImageError *error, const std::string &text) {
+    std::string line = text.substr(0, text.find('\n'));
+    snprintf(error->text, sizeof error->text, "%s", line.empty() ? "OpenImageIO gave no reason" : line.c_str());
+}
+
+// No exception may reach the C side.
+template <typename Body> Result guarded(ImageError *error, Body body) {
+    try {
+        return body();
+    } catch (const std::bad_alloc &) {
+        set_error(error, "out of memory");
+        return RESULT_MEMORY;
+    } catch (const std::exception &exception) {
+        set_error(error, exception.what());
+    } catch (...) {
+        set_error(error, "an unknown exception in OpenImageIO");
+    }
+    return RESULT_FORMAT;
+}
+
+ImageType type_of(const OIIO::ImageSpec &spec) {
+    if (!spec.channelformats.empty())
+        return IMAGE_OTHER;
+    switch (spec.format.basetype) {
+    case OIIO::TypeDesc::UINT8:
+        return IMAGE_UINT8;
+    case OIIO::TypeDesc::INT8:
+        return IMAGE_INT8;
+    case OIIO::TypeDesc::UINT16:
+        return IMAGE_UINT16;
+    case OIIO::TypeDesc::INT16:
+        return IMAGE_INT16;
+    case OIIO::TypeDesc::UINT32:
+        return IMAGE_UINT32;
+    case OIIO::TypeDesc::INT32:
+        return IMAGE_INT32;
+    case OIIO::TypeDesc::FLOAT:
+        return IMAGE_FLOAT32;
+    case OIIO::TypeDesc::DOUBLE:
+        return IMAGE_FLOAT64;
+    default:
+        return IMAGE_OTHER;
+    }
+}
+
+ImageSpec spec_of(const OIIO::ImageSpec &spec) {
+    ImageSpec out = {};
+    out.width = spec.width;
+    out.height = spec.height;
+    out.channels = spec.nchannels;
+    out.type = type_of(spec);
+    out.alpha_channel = spec.alpha_channel;
+    out.tiled = spec.tile_width > 0;
+    out.block_rows = out.tiled ? spec.tile_height : STRIP_ROWS;
+    return out;
+}
+
+OIIO::ImageSpec open_hints() {
+    OIIO::ImageSpec hints;
+    hints["oiio:UnassociatedAlpha"] = 1; // a sample under alpha 0 must not become 0
+    hints["oiio:RawColor"] = 1;
+    return hints;
+}
+
+std::string last_error(const ImageReader *reader) {
+    return reader && reader->input && reader->input->has_error() ? reader->input->geterror() : OIIO::geterror();
+}
+
+Result open_reader(const char *path, const char *format, ImageReader **out, ImageSpec *spec, ImageError *error) {
+    return guarded(error, [&] {
+#ifdef __SANITIZE_THREAD__
+        OIIO::attribute("threads", 1); // the library's own locks are invisible to the sanitizer
+#endif
+        auto reader = std::make_unique<ImageReader>();
+        OIIO::ImageSpec native, hints = open_hints();
+        if (format) {
+            reader->input = OIIO::ImageInput::create(format);
+            if (reader->input && !reader->input->open(path, native, hints)) {
+                set_error(error, last_error(reader.get()));
+                return RESULT_FORMAT;
+            }
+        } else {
+            reader->input = OIIO::ImageInput::open(path, &hints);
+            if (reader->input)
+                native = reader->input->spec();
+        }
+        if (!reader->input || native.width < 1 || native.height < 1 || native.depth > 1 || native.nchannels < 1) {
+            set_error(error, reader->input ? "it holds no flat image" : last_error(nullptr));
+            return RESULT_FORMAT;
+        }
+        *spec = spec_of(native);
+        reader->tiled = spec->tiled;
+        *out = reader.release();
+        return RESULT_OK;
+    });
+}
+
+Result read_rows(ImageReader *reader, int row_begin, int row_end, int channels, bool as_uint8, void *out,
+                 ImageError *error) {
+    return guarded(error, [&] {
+        const OIIO::ImageSpec &spec = reader->input->spec();
+        OIIO::TypeDesc type = as_uint8 ? OIIO::TypeDesc(OIIO::TypeDesc::UINT8) : spec.format;
+        int y0 = spec.y + row_begin, y1 = spec.y + row_end;
+        bool read = reader->tiled ? reader->input->read_tiles(0, 0, spec.x, spec.x + spec.width, y0, y1, spec.z,
+                                                              spec.z + 1, 0, channels, type, out)
+                                  : reader->input->read_scanlines(0, 0, y0, y1, spec.z, 0, channels, type, out);
+        // A truncated strip reads as success; only the message tells.
+        if (!read || reader->input->has_error()) {
+            set_error(error, last_error(reader));
+            return RESULT_FORMAT;
+        }
+        return RESULT_OK;
+    });
+}
+
+void close_reader(ImageReader *reader) {
+    ImageError ignored;
+    (void)guarded(&ignored, [&] {
+        delete reader;
+        return RESULT_OK;
+    });
+}
+
+Result write_png(const char *path, int width, int height, int channels, const uint8_t *pixels, ImageError *error) {
+    return guarded(error, [&] {
+        auto output = OIIO::ImageOutput::create("png");
+        if (!output) {
+            set_error(error, OIIO::geterror());
+            return RESULT_DEVICE;
+        }
+        OIIO::ImageSpec spec(width, height, channels, OIIO::TypeDesc::UINT8);
+        spec["oiio:UnassociatedAlpha"] = 1;
+        spec["Software"] = "Overfly";
+        bool written = output->open(path, spec) && output->write_image(OIIO::TypeDesc::UINT8, pixels);
+        written = output->close() && written;
+        if (!written)
+            set_error(error, output->geterror());
+        return written ? RESULT_OK : RESULT_IO;
+    });
+}
+
+const ImageModule MODULE = {IMAGE_MODULE_VERSION, open_reader, read_rows, close_reader, write_png};
+
+} // namespace
+
+extern "C" __attribute__((visibility("default"))) const ImageModule *overfly_image_module(void) {
+    return &MODULE;
+}
