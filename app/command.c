@@ -1,0 +1,16 @@
+#include "app/command.h"
+
+#include <stddef.h>
+#include <string.h>
+
+const Command command_table[] = {
+    {COMMAND_CONFIG, "config", "[SUBCOMMAND]", 1, "show the effective options and where each came from", cmd_config},
+    {0},
+};
+
+const Command *command_find(const char *name) {
+    for (const Command *command = command_table; command->name; command++)
+        if (strcmp(command->name, name) == 0)
+            return command;
+    return NULL;
+}

@@ -1,0 +1,55 @@
+#define _POSIX_C_SOURCE 200809L
+#include "config/files.h"
+
+#include "base/log.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static bool fits(int printed) {
+    return printed > 0 && printed < PATHS_BYTES_MAX;
+}
+
+bool files_exists(const char *path) {
+    struct stat status;
+    return stat(path, &status) == 0;
+}
+
+bool files_is_folder(const char *path) {
+    struct stat status;
+    return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
+}
+
+Result files_make_folder(const char *path) {
+    char part[PATHS_BYTES_MAX];
+    if (!fits(snprintf(part, sizeof part, "%s", path)))
+        return RESULT_RANGE;
+    for (char *slash = strchr(part + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
+        *slash = '\0';
+        mkdir(part, 0777); // one that exists is fine; the last one tells
+        *slash = '/';
+    }
+    if (mkdir(part, 0777) == 0 || files_is_folder(part))
+        return RESULT_OK;
+    log_error("%s: the folder cannot be made: %s", path, strerror(errno));
+    return RESULT_IO;
+}
+
+Result files_beside(const char *file, const char *name, char out[PATHS_BYTES_MAX]) {
+    const char *slash = strrchr(file, '/');
+    int printed = name[0] == '/' || !slash ? snprintf(out, PATHS_BYTES_MAX, "%s", name)
+                                           : snprintf(out, PATHS_BYTES_MAX, "%.*s/%s", (int)(slash - file), file, name);
+    return fits(printed) ? RESULT_OK : RESULT_RANGE;
+}
+
+void files_pictures_folder(char out[PATHS_BYTES_MAX]) {
+    const char *pictures = getenv("XDG_PICTURES_DIR"), *home = getenv("HOME");
+    if (pictures && fits(snprintf(out, PATHS_BYTES_MAX, "%s", pictures)) && files_is_folder(out))
+        return;
+    if (home && fits(snprintf(out, PATHS_BYTES_MAX, "%s/Pictures", home)) && files_is_folder(out))
+        return;
+    strcpy(out, ".");
+}

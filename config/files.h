@@ -1,0 +1,15 @@
+// config/files.h: small questions about files that people name.
+// No units.
+// The caller owns the buffers.
+#pragma once
+#include "base/base.h"
+#include "base/paths.h"
+
+bool files_exists(const char *path);
+bool files_is_folder(const char *path);
+// Makes the folder and those above it. IO, with the cause in the log.
+MUST_USE Result files_make_folder(const char *path);
+// `name` relative to the folder of `file`; absolute names stay. RANGE when too long.
+MUST_USE Result files_beside(const char *file, const char *name, char out[PATHS_BYTES_MAX]);
+// Where screenshots go: $XDG_PICTURES_DIR, else ~/Pictures, whichever is a folder, else ".".
+void files_pictures_folder(char out[PATHS_BYTES_MAX]);

@@ -1,0 +1,79 @@
+// config/option_table.h: every option of every subcommand, one row each. Nothing else knows names, defaults or ranges.
+// Units: see OptionType in config/options.h; ranges hold in the type's own unit.
+// Included by config/options.h and config/options.c only.
+#pragma once
+
+#define COMMANDS_SCENE (COMMAND_FLY | COMMAND_SNAPSHOT | COMMAND_MESH | COMMAND_BENCH)
+#define COMMANDS_DEM (COMMANDS_SCENE | COMMAND_INFO)
+#define COMMANDS_PICTURE (COMMAND_FLY | COMMAND_SNAPSHOT)
+
+#define CHOICES_DATUM "file|egm96|ellipsoid"
+#define CHOICES_VOIDS "fill|hole|error"
+#define CHOICES_ERROR "midpoint|total"
+#define CHOICES_PATCH_SIDE "3|5|9|17|33|65|129"
+#define CHOICES_METHOD "hybrid|brute"
+#define CHOICES_COLOUR "land|level|cache|partition"
+
+// X(identifier, name, short name or 0, type, argument, default or NULL, least, greatest, choices, subcommands, help)
+// Least and greatest of several numbers hold for each of them; both 0: the type's own range.
+#define OPTION_TABLE(X)                                                                                                \
+    X(HELP, "help", 'h', FLAG, NULL, "false", 0, 0, NULL, COMMANDS_ALL, "print this help and leave")                   \
+    X(VERSION, "version", 'V', FLAG, NULL, "false", 0, 0, NULL, COMMANDS_ALL, "print the version and leave")           \
+    X(QUIET, "quiet", 'q', FLAG, NULL, "false", 0, 0, NULL, COMMANDS_ALL, "errors only")                               \
+    X(VERBOSE, "verbose", 'v', FLAG, NULL, "false", 0, 0, NULL, COMMANDS_ALL, "messages for developers too")           \
+    X(JSON, "json", 0, FLAG, NULL, "false", 0, 0, NULL, COMMANDS_ALL, "one JSON document on stdout")                   \
+    X(THREADS, "threads", 'j', INTEGER, "N", "0", 0, 64, NULL, COMMANDS_SCENE, "worker threads; 0: one per processor") \
+                                                                                                                       \
+    X(DATUM, "datum", 0, CHOICE, NULL, "file", 0, 0, CHOICES_DATUM, COMMANDS_DEM, "what heights are measured from")    \
+    X(VOIDS, "voids", 0, CHOICE, NULL, "fill", 0, 0, CHOICES_VOIDS, COMMANDS_DEM, "what samples without data become")  \
+    X(SPACING, "spacing", 0, LENGTH, "LENGTH", NULL, 1e-3, 1e6, NULL, COMMANDS_DEM,                                    \
+      "between samples, for images without georeference")                                                              \
+    X(BOUNDS, "bounds", 0, BOUNDS, "W,S,E,N", NULL, 0, 0, NULL, COMMANDS_DEM,                                          \
+      "degrees, for images without georeference")                                                                      \
+    X(GEOID, "geoid", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMANDS_SCENE, "EGM96 grid (.pgm) instead of the own one")   \
+    X(ERROR, "error", 0, CHOICE, NULL, "total", 0, 0, CHOICES_ERROR, COMMANDS_SCENE,                                   \
+      "how vertex errors are defined; only total bounds the error at every sample")                                    \
+    X(PATCH_SIDE, "patch-side", 0, CHOICE, NULL, "65", 0, 0, CHOICES_PATCH_SIDE, COMMANDS_SCENE, "samples a page side")\
+                                                                                                                       \
+    X(METHOD, "method", 'm', CHOICE, NULL, "hybrid", 0, 0, CHOICES_METHOD, COMMANDS_SCENE, "level-of-detail method")   \
+    X(TAU, "tau", 't', NUMBER, "PX", "1", 0.01, 1000, NULL, COMMANDS_SCENE, "tolerated error at the image centre")     \
+    X(PARTITIONS, "partitions", 0, INTEGER, "N", "0", 0, 64, NULL, COMMANDS_SCENE,                                     \
+      "sectors along the observer line; 0: one per worker")                                                            \
+    X(MAX_TRIANGLES, "max-triangles", 0, INTEGER, "N", "40000000", 1000, 2000000000, NULL, COMMANDS_SCENE,             \
+      "above it the tolerance is raised")                                                                              \
+    X(REUSE, "reuse", 0, FLAG, NULL, "true", 0, 0, NULL, COMMANDS_SCENE, "keep triangulations from frame to frame")    \
+                                                                                                                       \
+    X(SIZE, "size", 's', SIZE, "WxH", "1280x800", 16, 16384, NULL, COMMANDS_SCENE, "picture or window, pixels")        \
+    X(FOV, "fov", 0, ANGLE, "ANGLE", "60", 1, 179, NULL, COMMANDS_SCENE, "vertical field of view")                     \
+    X(EYE, "eye", 0, POSITION, "LAT,LON,ALT", NULL, 0, 0, NULL, COMMANDS_SCENE,                                        \
+      "degrees, and metres above the geoid (500m, 5000ft)")                                                            \
+    X(LOOK, "look", 0, DIRECTION, "HEADING,PITCH", NULL, 0, 0, NULL, COMMANDS_SCENE, "degrees; north is 0, up is +")   \
+    X(OUTPUT, "output", 'o', PATH, "FILE", NULL, 0, 0, NULL, COMMAND_SNAPSHOT | COMMAND_MESH | COMMAND_BENCH,          \
+      "where to write")                                                                                                \
+                                                                                                                       \
+    X(COLOUR, "colour", 'c', CHOICE, NULL, "land", 0, 0, CHOICES_COLOUR, COMMANDS_PICTURE, "what colours mean")        \
+    X(WIREFRAME, "wireframe", 'w', FLAG, NULL, "false", 0, 0, NULL, COMMANDS_PICTURE, "draw the triangles' edges")     \
+    X(MAGENTA, "magenta", 0, FLAG, NULL, "false", 0, 0, NULL, COMMANDS_PICTURE, "a magenta sky, to count pinholes")    \
+    X(SUN, "sun", 0, DIRECTION, "AZIMUTH,HEIGHT", "300,35", 0, 0, NULL, COMMANDS_PICTURE, "where the sun is, degrees") \
+    X(IMAGE, "image", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMANDS_PICTURE, "picture draped over the terrain")          \
+    X(IMAGE_BOUNDS, "image-bounds", 0, BOUNDS, "W,S,E,N", NULL, 0, 0, NULL, COMMANDS_PICTURE,                          \
+      "degrees, for pictures without georeference")                                                                    \
+    X(VRAM, "vram", 0, BYTES, "BYTES", "512M", 1048576, 1e12, NULL, COMMANDS_PICTURE, "limit of the patch cache")      \
+    X(HUD, "hud", 0, FLAG, NULL, "true", 0, 0, NULL, COMMANDS_PICTURE, "draw the flight instruments and numbers")      \
+    X(DEBUG_GL, "debug-gl", 0, FLAG, NULL, "false", 0, 0, NULL, COMMANDS_PICTURE, "log what the GL driver reports")    \
+                                                                                                                       \
+    X(WINDOW, "window", 0, FLAG, NULL, "true", 0, 0, NULL, COMMAND_FLY, "fly in a window; without: by EGL")            \
+    X(FULLSCREEN, "fullscreen", 'f', FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY, "the whole screen")                 \
+    X(FPS, "fps", 0, NUMBER, "HZ", "60", 1, 1000, NULL, COMMAND_FLY, "frames a second at most")                        \
+    X(FRAMES, "frames", 'n', INTEGER, "N", "0", 0, 1000000000, NULL, COMMAND_FLY,                                      \
+      "leave after N frames; 0: fly until told to leave")                                                              \
+    X(LOCKSTEP, "lockstep", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY,                                           \
+      "stages one after another, 1/60 s a frame: the same pictures each time")                                         \
+    X(DEMO, "demo", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY, "fly the scene's demonstration")                  \
+    X(SPEED, "speed", 0, SPEED, "SPEED", NULL, 0, 20000, NULL, COMMAND_FLY, "at the start (80m/s, 120kt)")             \
+    X(SCREENSHOT, "screenshot", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMAND_FLY, "write the last frame as PNG")         \
+    X(PICTURES, "pictures", 0, PATH, "DIR", NULL, 0, 0, NULL, COMMAND_FLY, "write pictures of the flight as PNG")      \
+    X(PICTURE_COUNT, "picture-count", 0, INTEGER, "N", "6", 1, 100000, NULL, COMMAND_FLY,                              \
+      "how many, spread over the flight")                                                                              \
+                                                                                                                       \
+    X(CULL, "cull", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_MESH, "only what the view frustum holds")

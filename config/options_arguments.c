@@ -1,0 +1,120 @@
+#define _POSIX_C_SOURCE 200809L
+#include "base/log.h"
+#include "config/options.h"
+#include "config/options_internal.h"
+
+#include <stdio.h>
+#include <string.h>
+
+// Where the reading stands: argv[next] comes next.
+typedef struct Reading {
+    Options *options;
+    CommandId command;
+    int argc, next;
+    char *const *argv;
+} Reading;
+
+static Result refuse_unknown(const Reading *reading, const char *name) {
+    const char *nearest = option_nearest(name, reading->command);
+    if (nearest)
+        log_error("unknown option '--%s'; did you mean '--%s'? --help lists all", name, nearest);
+    else
+        log_error("unknown option '--%s'; --help lists all", name);
+    return RESULT_USAGE;
+}
+
+static Result refuse_other_command(const char *name) {
+    log_error("option '--%s' is known, but not to this subcommand; --help lists what it takes", name);
+    return RESULT_USAGE;
+}
+
+static Result take_value(Reading *reading, OptionId id, const char *attached, const char *shown) {
+    const char *text = attached;
+    if (!text && reading->next < reading->argc)
+        text = reading->argv[reading->next++];
+    if (!text) {
+        char expected[320];
+        option_describe_expected(option_spec(id), expected, sizeof expected);
+        log_error("%s: a value is missing; expected %s", shown, expected);
+        return RESULT_USAGE;
+    }
+    return options_set(reading->options, id, text, SOURCE_COMMAND_LINE, shown);
+}
+
+static bool is_flag(int id) {
+    return option_spec((OptionId)id)->type == OPTION_TYPE_FLAG;
+}
+
+static Result set_flag(Reading *reading, OptionId id, const char *value, const char *shown) {
+    return options_set(reading->options, id, value, SOURCE_COMMAND_LINE, shown);
+}
+
+static Result read_long(Reading *reading, const char *argument) {
+    char name[64];
+    size_t length = strcspn(argument + 2, "=");
+    if (length >= sizeof name - 2) {
+        log_error("unknown option '%s'; --help lists all", argument);
+        return RESULT_USAGE;
+    }
+    memcpy(name, argument + 2, length);
+    name[length] = '\0';
+    char shown[68];
+    snprintf(shown, sizeof shown, "--%s", name);
+    const char *attached = argument[2 + length] == '=' ? argument + 2 + length + 1 : NULL;
+    int id = option_find(name, reading->command);
+    bool negated = id < 0 && strncmp(name, "no-", 3) == 0;
+    if (negated)
+        id = option_find(name + 3, reading->command);
+    if (id < 0 || (negated && (!is_flag(id) || attached)))
+        return refuse_unknown(reading, name);
+    if (!option_belongs_to((OptionId)id, reading->command))
+        return refuse_other_command(name);
+    if (is_flag(id) && !attached)
+        return set_flag(reading, (OptionId)id, negated ? "false" : "true", shown);
+    return take_value(reading, (OptionId)id, attached, shown);
+}
+
+static int find_letter(char letter, CommandId command) {
+    for (int i = 0; i < OPTION_COUNT; i++)
+        if (option_spec((OptionId)i)->letter == letter && option_belongs_to((OptionId)i, command))
+            return i;
+    return -1;
+}
+
+// -v, -qv, -t2, -t 2
+static Result read_short(Reading *reading, const char *argument) {
+    for (const char *letter = argument + 1; *letter; letter++) {
+        char shown[3] = {'-', *letter, '\0'};
+        int id = find_letter(*letter, reading->command);
+        if (id < 0) {
+            log_error("unknown option '%s'; --help lists all", shown);
+            return RESULT_USAGE;
+        }
+        if (!is_flag(id))
+            return take_value(reading, (OptionId)id, letter[1] ? letter + 1 : NULL, shown);
+        Result result = set_flag(reading, (OptionId)id, "true", shown);
+        if (result != RESULT_OK)
+            return result;
+    }
+    return RESULT_OK;
+}
+
+Result options_read_arguments(Options *options, int argc, char *const *argv) {
+    Reading reading = {options, options_command(options), argc, 0, argv};
+    bool only_positionals = false;
+    while (reading.next < argc) {
+        const char *argument = argv[reading.next++];
+        Result result;
+        if (only_positionals || argument[0] != '-' || argument[1] == '\0') {
+            result = options_add_positional(options, argument);
+        } else if (strcmp(argument, "--") == 0) {
+            only_positionals = true;
+            result = RESULT_OK;
+        } else {
+            result = argument[1] == '-' ? read_long(&reading, argument) : read_short(&reading, argument);
+        }
+        if (result != RESULT_OK)
+            return result;
+    }
+    return RESULT_OK;
+}
