@@ -51,7 +51,7 @@ Result cmd_config(const Options *options) {
         commands = command->id;
     }
     char file[PATHS_BYTES_MAX] = "";
-    bool has_home = paths_user_config("overfly.conf", file) == RESULT_OK;
+    bool has_home = files_user_config(file);
     if (options_flag(options, OPTION_JSON))
         return print_json(options, commands, has_home ? file : NULL);
     printf("# %s%s\n", file, has_home && !files_exists(file) ? " (does not exist)" : "");

@@ -1,6 +1,6 @@
 #include "app/help.h"
 
-#include "base/paths.h"
+#include "config/files.h"
 
 #include <ctype.h>
 #include <stdio.h>
@@ -58,7 +58,7 @@ void help_print_command(const Command *command) {
         if (option_spec((OptionId)i)->commands & command->id)
             print_option(option_spec((OptionId)i));
     char file[PATHS_BYTES_MAX];
-    if (paths_user_config("overfly.conf", file) != RESULT_OK)
+    if (!files_user_config(file))
         snprintf(file, sizeof file, "$XDG_CONFIG_HOME/overfly/overfly.conf");
     printf("\nEvery option may also come from the environment (--max-triangles as OVERFLY_MAX_TRIANGLES) or from\n"
            "%s ('max-triangles = 100000', or the same under [%s]).\n"

@@ -21,7 +21,7 @@ static const char *nearest_command(const char *typed) {
 // Read after help and version were answered: a damaged file must not hide the help.
 static Result read_surroundings(Options *options) {
     char file[PATHS_BYTES_MAX];
-    if (paths_user_config("overfly.conf", file) == RESULT_OK) {
+    if (files_user_config(file)) {
         Result result = options_read_file(options, file);
         if (result != RESULT_OK && result != RESULT_NOT_FOUND)
             return result;

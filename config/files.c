@@ -13,6 +13,13 @@ static bool fits(int printed) {
     return printed > 0 && printed < PATHS_BYTES_MAX;
 }
 
+bool files_user_config(char out[PATHS_BYTES_MAX]) {
+    const char *config = getenv("XDG_CONFIG_HOME"), *home = getenv("HOME");
+    if (config && config[0] == '/') // the XDG specification: a relative one is ignored
+        return fits(snprintf(out, PATHS_BYTES_MAX, "%s/overfly/overfly.conf", config));
+    return home && *home && fits(snprintf(out, PATHS_BYTES_MAX, "%s/.config/overfly/overfly.conf", home));
+}
+
 bool files_exists(const char *path) {
     struct stat status;
     return stat(path, &status) == 0;

@@ -5,6 +5,8 @@
 #include "base/base.h"
 #include "base/paths.h"
 
+// $XDG_CONFIG_HOME/overfly/overfly.conf, else ~/.config/overfly/overfly.conf. False when the environment names neither.
+bool files_user_config(char out[PATHS_BYTES_MAX]);
 bool files_exists(const char *path);
 bool files_is_folder(const char *path);
 // Makes the folder and those above it. IO, with the cause in the log.
