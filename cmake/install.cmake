@@ -1,15 +1,31 @@
-# What `cmake --install` puts where, beyond the data folders and modules that overfly.cmake's functions register.
-if(TARGET overfly)
-  # Beside share/overfly and lib/overfly of the build tree: build/release/overfly.
-  set_target_properties(overfly PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
-  # The program opens them at run time, so the linker does not know.
-  get_property(parts GLOBAL PROPERTY OVERFLY_PARTS)
-  if(parts)
-    add_dependencies(overfly ${parts})
-  endif()
-  install(TARGETS overfly RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+# The target `program`: all that an installation needs, tests aside; and what `cmake --install` puts where, beyond the
+# data folders and modules that overfly.cmake's functions register.
+set(data ${PROJECT_SOURCE_DIR}/assets/data)
+set(manual ${CMAKE_BINARY_DIR}/overfly.1)
+
+# Beside share/overfly and lib/overfly of the build tree: build/release/overfly. Modules and made data are opened at run
+# time, so the linker does not know of them.
+set_target_properties(overfly PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
+get_property(parts GLOBAL PROPERTY OVERFLY_PARTS)
+if(parts)
+  add_dependencies(overfly ${parts})
 endif()
 
-set(OVERFLY_DATA ${PROJECT_SOURCE_DIR}/assets/data)
-overfly_data_folder(dem ${OVERFLY_DATA}/dem)
-overfly_data_folder(scenes ${OVERFLY_DATA}/scenes)
+add_custom_command(
+  OUTPUT ${manual}
+  COMMAND sh ${PROJECT_SOURCE_DIR}/tools/make_manual $<TARGET_FILE:overfly> ${data}/man/overfly.1.in ${PROJECT_VERSION} >
+          ${manual}.new
+  COMMAND ${CMAKE_COMMAND} -E rename ${manual}.new ${manual}
+  DEPENDS overfly ${data}/man/overfly.1.in ${PROJECT_SOURCE_DIR}/tools/make_manual
+  COMMENT "Writing the man page"
+  VERBATIM)
+add_custom_target(program ALL DEPENDS overfly ${manual})
+
+overfly_data_folder(dem ${data}/dem)
+overfly_data_folder(scenes ${data}/scenes)
+install(TARGETS overfly RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(FILES ${manual} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+install(FILES ${data}/bash-completion/overfly DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+install(FILES ${data}/desktop/overfly.desktop DESTINATION ${CMAKE_INSTALL_DATADIR}/applications)
+install(FILES ${data}/desktop/overfly.svg DESTINATION ${CMAKE_INSTALL_DATADIR}/icons/hicolor/scalable/apps)
+install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/NOTICE DESTINATION ${CMAKE_INSTALL_DOCDIR})
