@@ -29,3 +29,21 @@ install(FILES ${data}/bash-completion/overfly DESTINATION ${CMAKE_INSTALL_DATADI
 install(FILES ${data}/desktop/overfly.desktop DESTINATION ${CMAKE_INSTALL_DATADIR}/applications)
 install(FILES ${data}/desktop/overfly.svg DESTINATION ${CMAKE_INSTALL_DATADIR}/icons/hicolor/scalable/apps)
 install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/NOTICE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
+# The terrain as a library of its own: static archives, the headers others need, and overfly-terrain.pc.
+set(terrain_headers dem geo geodesy grid jobs lod measure terrain)
+list(TRANSFORM terrain_headers REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/terrain/\\1.h")
+set(base_headers arena base clock log paths vec)
+list(TRANSFORM base_headers REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/base/\\1.h")
+install(TARGETS overfly_terrain overfly_assets overfly_base ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(FILES ${terrain_headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/overfly/terrain)
+install(FILES ${base_headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/overfly/base)
+
+# Relative to the .pc file, so that the prefix may be chosen when installing.
+file(RELATIVE_PATH terrain_prefix_from_pc ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
+file(RELATIVE_PATH libdir_from_prefix ${CMAKE_INSTALL_PREFIX} ${CMAKE_INSTALL_FULL_LIBDIR})
+file(RELATIVE_PATH includedir_from_prefix ${CMAKE_INSTALL_PREFIX} ${CMAKE_INSTALL_FULL_INCLUDEDIR})
+set(terrain_libdir "\${prefix}/${libdir_from_prefix}")
+set(terrain_includedir "\${prefix}/${includedir_from_prefix}")
+configure_file(${PROJECT_SOURCE_DIR}/cmake/overfly-terrain.pc.in ${CMAKE_BINARY_DIR}/overfly-terrain.pc @ONLY)
+install(FILES ${CMAKE_BINARY_DIR}/overfly-terrain.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
