@@ -30,6 +30,7 @@ typedef struct RenderHud {
     bool over_terrain;        // above_ground_m is valid
     bool crashed, paused;
     const char *datum;        // of altitude_m: "EGM96"; static
+    const char *method;       // lod_method_name of what made the cut; static, or NULL
     double frame_ms, frame_p99_ms; // of the last seconds, whole frames
     const char *message;      // one line for a few seconds, or NULL; lives as long as the packet
 } RenderHud;
