@@ -11,8 +11,16 @@
 
 typedef uint32_t __attribute__((may_alias)) Pair; // two neighbouring 16-bit codes
 
+// The heights of one plane's vertices. The finest plane's are the samples themselves; the others are packed, so that
+// every row is contiguous, with a pad on both sides.
+typedef struct Heights {
+    const float *entries;
+    size_t stride;
+    int width, height;
+} Heights;
+
 typedef struct Rows { // one worker's buffers, each ROW_PAD + width + ROW_PAD long; pointers are past the pad
-    float *above, *here, *below;     // heights of the plane's rows j - 1, j, j + 1
+    float *above, *here, *below;     // copies of border rows, where a neighbour would be read outside the samples
     float *upper, *lower;            // heights of the finer plane's centres, entry i at column (i + 1/2) step
     uint16_t *own;                   // codes of own errors
     uint16_t *children, *reach;      // folded codes
@@ -22,35 +30,67 @@ typedef struct Pass {
     const ErrorWork *work;
     ErrorPlane *plane;
     const ErrorPlane *finer; // NULL for the finest plane
+    const Heights *heights, *finer_heights;
     const uint16_t *zero_row;
     const ErrorTerms *terms;
     Rows *rows; // [worker]
 } Pass;
 
-static void load_heights(const Pass *pass, int j, float *out) {
-    int step = pass->plane->step, width = pass->plane->width;
-    int rows = pass->plane->height;
-    const float *in = error_height_row(pass->work, (j < 0 ? 0 : j >= rows ? rows - 1 : j) * step);
-    if (step == 1)
-        memcpy(out, in, sizeof *out * (size_t)width);
-    else
-        for (int i = 0; i < width; i++)
-            out[i] = in[(size_t)i * (size_t)step];
-    out[-1] = out[0];
-    out[width] = out[width - 1];
+// Row j with readable entries -1 and width; what they hold is masked out later.
+static const float *height_row(const Heights *heights, int j, float *buffer) {
+    const float *row = heights->entries + (size_t)j * heights->stride;
+    if (j > 0 && j < heights->height - 1)
+        return row;
+    memcpy(buffer, row, sizeof *buffer * (size_t)heights->width);
+    buffer[-1] = buffer[0];
+    buffer[heights->width] = buffer[heights->width - 1];
+    return buffer;
 }
 
-// Heights of the finer centres on sample row `row`, columns (i + 1/2) step for i in -1 .. width - 1.
-static void load_centre_heights(const Pass *pass, int row, float *out) {
-    int step = pass->plane->step, width = pass->plane->width;
-    int last = pass->work->height - 1;
-    const float *in = error_height_row(pass->work, row < 0 ? 0 : row > last ? last : row) + step / 2;
+// Heights of the finer centres on finer row `j`, for entries -1 .. width - 1 of this plane. Where there is no centre the
+// neighbour's height stands in: it asks for nothing that the neighbour does not.
+static void load_centre_heights(const Heights *finer, int j, int width, float *out) {
+    const float *in = finer->entries + (size_t)j * finer->stride;
     for (int i = 0; i < width - 1; i++)
-        out[i] = in[(size_t)i * (size_t)step];
-    out[width - 1] = width > 1 ? out[width - 2] : in[-(step / 2)];
-    if ((width - 1) * step + step / 2 < pass->work->width)
-        out[width - 1] = in[(size_t)(width - 1) * (size_t)step];
+        out[i] = in[2 * i + 1];
+    out[width - 1] = 2 * width - 1 < finer->width ? in[2 * width - 1] : in[width > 1 ? 2 * width - 3 : 0];
     out[-1] = out[0];
+}
+
+typedef struct Packing {
+    const Heights *from, *to;
+    float *out;
+} Packing;
+
+static void pack_task(void *user, int64_t begin, int64_t end, int worker) {
+    const Packing *packing = user;
+    (void)worker;
+    for (int64_t j = begin; j < end; j++) {
+        const float *in = packing->from->entries + (size_t)(2 * j) * packing->from->stride;
+        float *out = packing->out + (size_t)j * packing->to->stride;
+        for (int i = 0; i < packing->to->width; i++)
+            out[i] = in[2 * i];
+    }
+}
+
+// heights[0] is the samples; the others share one block, which the caller frees.
+static Result pack_heights(const ErrorWork *work, Jobs *jobs, const ErrorField *field, Heights *heights, float **block) {
+    size_t entries = 2 * ROW_PAD;
+    for (int k = 1; k < field->plane_count; k++)
+        entries += ((size_t)field->planes[k].width + ROW_PAD) * (size_t)field->planes[k].height;
+    float *next = *block = malloc(sizeof *next * entries);
+    if (!next)
+        return RESULT_MEMORY;
+    next += ROW_PAD;
+    heights[0] = (Heights){work->input->height_m, (size_t)work->width, work->width, work->height};
+    for (int k = 1; k < field->plane_count; k++) {
+        const ErrorPlane *plane = &field->planes[k];
+        heights[k] = (Heights){next, (size_t)plane->width + ROW_PAD, plane->width, plane->height};
+        Packing packing = {&heights[k - 1], &heights[k], next};
+        jobs_run(jobs, plane->height, 64, pack_task, &packing);
+        next += heights[k].stride * (size_t)plane->height;
+    }
+    return RESULT_OK;
 }
 
 SIMD_CLONES
@@ -148,44 +188,44 @@ static const Pair *pairs(const uint16_t *row) {
     return (const Pair *)__builtin_assume_aligned((const void *)row, 4);
 }
 
-static void fold_finer(const Pass *pass, int j, Rows *rows) {
+static void fold_finer(const Pass *pass, int j, const float *here, Rows *rows) {
     const ErrorPlane *finer = pass->finer;
     int width = pass->plane->width, up = 2 * j - 1, down = 2 * j + 1;
     bool has_up = up >= 0, has_down = down < finer->height;
     size_t stride = finer->stride;
     fold_centres(pairs(has_up ? finer->delta + (size_t)up * stride : pass->zero_row),
                  pairs(has_down ? finer->delta + (size_t)down * stride : pass->zero_row), width, rows->children);
-    load_centre_heights(pass, up * finer->step, rows->upper);
-    load_centre_heights(pass, down * finer->step, rows->lower);
-    const uint16_t *radius_up = finer->radius + (size_t)up * stride, *radius_down = finer->radius + (size_t)down * stride;
-    // Past a border there is no child: a repeated height asks for nothing that the child opposite does not.
-    reach_centres(rows->here, has_up ? rows->upper : rows->lower, has_down ? rows->lower : rows->upper,
-                  pairs(has_up ? radius_up : radius_down), pairs(has_down ? radius_down : radius_up),
-                  pass->terms[j].edge_reach2, width, rows->reach);
+    // Past a border there is no child: the children opposite are taken twice.
+    up = has_up ? up : down;
+    down = has_down ? down : up;
+    load_centre_heights(pass->finer_heights, up, width, rows->upper);
+    load_centre_heights(pass->finer_heights, down, width, rows->lower);
+    reach_centres(here, rows->upper, rows->lower, pairs(finer->radius + (size_t)up * stride),
+                  pairs(finer->radius + (size_t)down * stride), pass->terms[j].edge_reach2, width, rows->reach);
+}
+
+static void edge_own(const Pass *pass, int j, const float *here, Rows *rows) {
+    const ErrorPlane *plane = pass->plane;
+    int width = plane->width, last = plane->height - 1;
+    if (pass->work->input->kind == TERRAIN_ERROR_TOTAL) {
+        memcpy(rows->own, plane->delta + (size_t)j * plane->stride, sizeof *rows->own * (size_t)width);
+    } else if (j & 1) {
+        const float *above = height_row(pass->heights, j - 1, rows->above);
+        const float *below = height_row(pass->heights, j < last ? j + 1 : j - 1, rows->below);
+        own_vertical(above, here, below, pass->terms[j].edge_sag, width, rows->own);
+    } else {
+        own_horizontal(here, pass->terms[j].edge_sag, width, rows->own);
+    }
 }
 
 static void edge_row(const Pass *pass, int j, Rows *rows) {
     ErrorPlane *plane = pass->plane;
-    int width = plane->width;
-    bool vertical = j & 1;
-    load_heights(pass, j, rows->here);
-    if (pass->work->input->kind == TERRAIN_ERROR_TOTAL) {
-        memcpy(rows->own, plane->delta + (size_t)j * plane->stride, sizeof *rows->own * (size_t)width);
-    } else if (vertical) {
-        load_heights(pass, j - 1, rows->above);
-        load_heights(pass, j + 1, rows->below);
-        own_vertical(rows->above, rows->here, rows->below, pass->terms[j].edge_sag, width, rows->own);
-    } else {
-        own_horizontal(rows->here, pass->terms[j].edge_sag, width, rows->own);
-    }
-    if (pass->finer) {
-        fold_finer(pass, j, rows);
-    } else {
-        memset(rows->children, 0, sizeof *rows->children * (size_t)width);
-        memset(rows->reach, 0, sizeof *rows->reach * (size_t)width);
-    }
+    const float *here = height_row(pass->heights, j, rows->here);
+    edge_own(pass, j, here, rows);
+    if (pass->finer)
+        fold_finer(pass, j, here, rows); // else the folded codes stay 0
     size_t at = (size_t)j * plane->stride;
-    store_edges(rows->own, rows->children, rows->reach, !vertical, width, plane->delta + at, plane->radius + at);
+    store_edges(rows->own, rows->children, rows->reach, !(j & 1), plane->width, plane->delta + at, plane->radius + at);
 }
 
 static void centre_row(const Pass *pass, int j, Rows *rows) {
@@ -194,18 +234,18 @@ static void centre_row(const Pass *pass, int j, Rows *rows) {
     size_t at = (size_t)j * plane->stride, up = at - plane->stride;
     bool has_below = j + 1 < plane->height;
     size_t down = has_below ? at + plane->stride : up;
-    load_heights(pass, j - 1, rows->above);
-    load_heights(pass, j, rows->here);
-    load_heights(pass, has_below ? j + 1 : j - 1, rows->below);
+    const float *above = height_row(pass->heights, j - 1, rows->above);
+    const float *here = height_row(pass->heights, j, rows->here);
+    const float *below = height_row(pass->heights, has_below ? j + 1 : j - 1, rows->below);
     if (pass->work->input->kind == TERRAIN_ERROR_TOTAL)
         memset(rows->own, 0, sizeof *rows->own * (size_t)width);
     else
-        own_diagonal(rows->above, rows->here, rows->below, pass->terms[j].centre_sag, j, width, rows->own);
+        own_diagonal(above, here, below, pass->terms[j].centre_sag, j, width, rows->own);
     // The row is copied: its edge midpoints are read at i - 1 and i + 1 while its centres are written.
     memcpy(rows->children - 1, plane->delta + at - 1, sizeof *rows->children * ((size_t)width + 2));
     memcpy(rows->reach - 1, plane->radius + at - 1, sizeof *rows->reach * ((size_t)width + 2));
-    store_centres(rows->above, rows->here, rows->below, rows->own, plane->delta + up, plane->delta + down,
-                  plane->radius + up, plane->radius + down, rows->children, rows->reach, pass->terms[j].centre_reach2, width,
+    store_centres(above, here, below, rows->own, plane->delta + up, plane->delta + down, plane->radius + up,
+                  plane->radius + down, rows->children, rows->reach, pass->terms[j].centre_reach2, width,
                   plane->delta + at, plane->radius + at);
 }
 
@@ -234,17 +274,25 @@ Result error_nest_parallel(const ErrorWork *work, Jobs *jobs, ErrorField *field)
     size_t entries = ((size_t)work->width + 2 * ROW_PAD + 31) & ~(size_t)31;
     size_t row_bytes = entries * (5 * sizeof(float) + 3 * sizeof(uint16_t));
     int workers = jobs_worker_count(jobs);
+    Heights heights[FOREST_LEVEL_MAX];
+    float *packed = NULL;
     unsigned char *memory = calloc((size_t)workers, row_bytes);
     uint16_t *zeros = calloc(entries, sizeof *zeros);
     Rows *rows = calloc((size_t)workers, sizeof *rows);
-    Result result = memory && zeros && rows ? RESULT_OK : RESULT_MEMORY;
+    Result result = memory && zeros && rows ? pack_heights(work, jobs, field, heights, &packed) : RESULT_MEMORY;
     for (int i = 0; i < workers && result == RESULT_OK; i++)
         cut_rows(memory + (size_t)i * row_bytes, entries, &rows[i]);
     for (int k = 0; k < field->plane_count && result == RESULT_OK; k++) {
-        Pass pass = {work, &field->planes[k], k ? &field->planes[k - 1] : NULL, zeros + ROW_PAD, work->terms[k], rows};
+        Pass pass = {.work = work, .plane = &field->planes[k], .heights = &heights[k]};
+        pass.finer = k ? &field->planes[k - 1] : NULL;
+        pass.finer_heights = k ? &heights[k - 1] : NULL;
+        pass.zero_row = zeros + ROW_PAD;
+        pass.terms = work->terms[k];
+        pass.rows = rows;
         jobs_run(jobs, pass.plane->height, ROWS_AT_A_TIME, edge_task, &pass);
         jobs_run(jobs, pass.plane->height / 2, ROWS_AT_A_TIME / 2, centre_task, &pass);
     }
+    free(packed);
     free(rows);
     free(zeros);
     free(memory);
