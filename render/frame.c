@@ -1,0 +1,76 @@
+#include "render/frame.h"
+
+#include <string.h>
+
+static int64_t round_to_lattice(double metres) {
+    return (int64_t)llrint(metres * GRID_LATTICE_PER_M);
+}
+
+static Vec3d row_of(const Mat3d *m, int row) {
+    return (Vec3d){m->m[row][0], m->m[row][1], m->m[row][2]};
+}
+
+// Reversed depth without a far plane: clip = (x fx, y fy, near, -z), so that depth is near / distance ahead.
+static void fill_matrix(FrameBlock *block, const RenderCamera *camera, double fx, double fy) {
+    for (int column = 0; column < 3; column++) {
+        block->clip_from_eye[column][0] = (float)(fx * camera->camera_from_ecef.m[0][column]);
+        block->clip_from_eye[column][1] = (float)(fy * camera->camera_from_ecef.m[1][column]);
+        block->clip_from_eye[column][2] = 0.0f;
+        block->clip_from_eye[column][3] = (float)-camera->camera_from_ecef.m[2][column];
+    }
+    block->clip_from_eye[3][0] = block->clip_from_eye[3][1] = block->clip_from_eye[3][3] = 0.0f;
+    block->clip_from_eye[3][2] = (float)FRAME_NEAR_M;
+}
+
+// Each side plane holds the eye: its normal is ahead plus or minus the axis, weighted by the lens.
+static void fill_planes(Frame *frame, const RenderCamera *camera, double fx, double fy) {
+    Vec3d right = row_of(&camera->camera_from_ecef, 0), up = row_of(&camera->camera_from_ecef, 1);
+    frame->forward = vec3d_scale(row_of(&camera->camera_from_ecef, 2), -1.0);
+    frame->planes[0] = vec3d_normalize(vec3d_mad(frame->forward, right, fx));
+    frame->planes[1] = vec3d_normalize(vec3d_mad(frame->forward, right, -fx));
+    frame->planes[2] = vec3d_normalize(vec3d_mad(frame->forward, up, fy));
+    frame->planes[3] = vec3d_normalize(vec3d_mad(frame->forward, up, -fy));
+}
+
+Frame frame_make(const RenderCamera *camera, int width, int height) {
+    Frame frame;
+    memset(&frame, 0, sizeof frame);
+    double fy = 1.0 / tan(camera->fov_y_rad * 0.5), fx = fy * height / width;
+    Vec3d eye = camera->eye_ecef;
+    frame.eye_ecef = eye;
+    frame.eye = (GridPoint){round_to_lattice(eye.x), round_to_lattice(eye.y), round_to_lattice(eye.z)};
+    Vec3d rest = vec3d_sub(eye, grid_point_ecef(frame.eye));
+    frame.block.eye_rest_m[0] = (float)rest.x;
+    frame.block.eye_rest_m[1] = (float)rest.y;
+    frame.block.eye_rest_m[2] = (float)rest.z;
+    frame.block.viewport_px[0] = (float)width;
+    frame.block.viewport_px[1] = (float)height;
+    frame.block.viewport_px[2] = 1.0f / (float)width;
+    frame.block.viewport_px[3] = 1.0f / (float)height;
+    fill_matrix(&frame.block, camera, fx, fy);
+    fill_planes(&frame, camera, fx, fy);
+    return frame;
+}
+
+bool frame_sees_sphere(const Frame *frame, Vec3d centre_ecef, double radius_m) {
+    Vec3d to = vec3d_sub(centre_ecef, frame->eye_ecef);
+    if (vec3d_dot(to, frame->forward) < -radius_m)
+        return false;
+    for (int i = 0; i < 4; i++)
+        if (vec3d_dot(to, frame->planes[i]) < -radius_m)
+            return false;
+    return true;
+}
+
+static void split(int64_t value, int32_t *lo, int32_t *hi) {
+    *lo = (int32_t)(uint32_t)((uint64_t)value & 0xffffffffu);
+    *hi = (int32_t)(value >> 32);
+}
+
+FrameOffset frame_offset(const Frame *frame, GridPoint origin) {
+    FrameOffset offset;
+    split(origin.x - frame->eye.x, &offset.lo[0], &offset.hi[0]);
+    split(origin.y - frame->eye.y, &offset.lo[1], &offset.hi[1]);
+    split(origin.z - frame->eye.z, &offset.lo[2], &offset.hi[2]);
+    return offset;
+}

@@ -1,0 +1,255 @@
+#include "render/terrain_pass.h"
+
+#include "base/log.h"
+#include "render/gl.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { ATTRIBUTE_VERTEX, ATTRIBUTE_SAMPLE, ATTRIBUTE_LO, ATTRIBUTE_HI, ATTRIBUTE_INFO };
+enum { BINDING_VERTICES, BINDING_INSTANCES };
+
+#define STATE_UPLOADED 2u // beyond LodItemState: the page came in this frame
+
+// A patch that is in the cache; outlives the cut it came from.
+typedef struct Placed {
+    PatchPlace place;
+    uint32_t index_count;
+    GridPoint origin;
+    int32_t col0, row0;
+    uint32_t info; // level | state << 8 | partition << 16
+    Vec3d centre_ecef;
+    double radius_m;
+} Placed;
+
+// As glMultiDrawElementsIndirect reads it.
+typedef struct DrawCommand {
+    uint32_t index_count, instance_count, first_index;
+    int32_t base_vertex;
+    uint32_t base_instance;
+} DrawCommand;
+
+// The attributes of shaders/terrain.vert that belong to a patch.
+typedef struct Instance {
+    int32_t lo[3], col0;
+    int32_t hi[3], row0;
+    uint32_t info;
+} Instance;
+_Static_assert(sizeof(Instance) == 36, "attribute offsets below");
+
+typedef struct Visible {
+    double distance_m;
+    int32_t index;
+} Visible;
+
+struct TerrainPass {
+    GLuint vertex_array, commands_buffer, instances_buffer;
+    Placed *placed;
+    PatchPlace *places;
+    Visible *visible;
+    DrawCommand *commands;
+    Instance *instances;
+    int32_t capacity, placed_count, visible_count;
+    int64_t triangles;
+    bool over_budget; // since when it has been said
+};
+
+static void describe_attributes(GLuint vertex_array) {
+    glVertexArrayAttribIFormat(vertex_array, ATTRIBUTE_VERTEX, 3, GL_INT, offsetof(LodVertex, x));
+    glVertexArrayAttribIFormat(vertex_array, ATTRIBUTE_SAMPLE, 2, GL_UNSIGNED_SHORT, offsetof(LodVertex, col));
+    glVertexArrayAttribIFormat(vertex_array, ATTRIBUTE_LO, 4, GL_INT, offsetof(Instance, lo));
+    glVertexArrayAttribIFormat(vertex_array, ATTRIBUTE_HI, 4, GL_INT, offsetof(Instance, hi));
+    glVertexArrayAttribIFormat(vertex_array, ATTRIBUTE_INFO, 1, GL_UNSIGNED_INT, offsetof(Instance, info));
+    for (GLuint i = ATTRIBUTE_VERTEX; i <= ATTRIBUTE_INFO; i++) {
+        glEnableVertexArrayAttrib(vertex_array, i);
+        glVertexArrayAttribBinding(vertex_array, i, i <= ATTRIBUTE_SAMPLE ? BINDING_VERTICES : BINDING_INSTANCES);
+    }
+    glVertexArrayBindingDivisor(vertex_array, BINDING_INSTANCES, 1);
+}
+
+Result terrain_pass_create(TerrainPass **out) {
+    TerrainPass *pass = calloc(1, sizeof *pass);
+    if (!pass) {
+        log_error("out of memory for the terrain pass");
+        return RESULT_MEMORY;
+    }
+    glCreateVertexArrays(1, &pass->vertex_array);
+    glCreateBuffers(1, &pass->commands_buffer);
+    glCreateBuffers(1, &pass->instances_buffer);
+    describe_attributes(pass->vertex_array);
+    *out = pass;
+    return RESULT_OK;
+}
+
+void terrain_pass_destroy(TerrainPass **pass) {
+    TerrainPass *self = *pass;
+    if (!self)
+        return;
+    glDeleteVertexArrays(1, &self->vertex_array);
+    glDeleteBuffers(1, &self->commands_buffer);
+    glDeleteBuffers(1, &self->instances_buffer);
+    free(self->placed);
+    free(self->places);
+    free(self->visible);
+    free(self->commands);
+    free(self->instances);
+    free(self);
+    *pass = NULL;
+}
+
+static bool grow_array(void **array, size_t item_bytes, int32_t capacity) {
+    void *grown = realloc(*array, item_bytes * (size_t)capacity);
+    if (grown)
+        *array = grown;
+    return grown != NULL;
+}
+
+static Result reserve(TerrainPass *pass, int32_t count) {
+    if (count <= pass->capacity)
+        return RESULT_OK;
+    int32_t capacity = count + count / 2 + 64;
+    if (!grow_array((void **)&pass->placed, sizeof *pass->placed, capacity) ||
+        !grow_array((void **)&pass->places, sizeof *pass->places, capacity) ||
+        !grow_array((void **)&pass->visible, sizeof *pass->visible, capacity) ||
+        !grow_array((void **)&pass->commands, sizeof *pass->commands, capacity) ||
+        !grow_array((void **)&pass->instances, sizeof *pass->instances, capacity)) {
+        log_error("out of memory for a list of %d patches", capacity);
+        return RESULT_MEMORY;
+    }
+    pass->capacity = capacity;
+    return RESULT_OK;
+}
+
+static Placed placed_from(const LodItem *item, const PatchPlace *place) {
+    uint32_t state = place->page_uploaded ? STATE_UPLOADED : item->state;
+    return (Placed){.place = *place,
+                    .index_count = (uint32_t)item->index_count,
+                    .origin = item->page->origin,
+                    .col0 = item->page->col0,
+                    .row0 = item->page->row0,
+                    .info = (uint32_t)item->level | state << 8 | (uint32_t)item->partition << 16,
+                    .centre_ecef = item->centre_ecef,
+                    .radius_m = item->radius_m};
+}
+
+// As many items, from the first, as the cache can hold: what is drawn when there is no former cut to fall back on.
+static int32_t count_fitting(const LodCut *cut, size_t capacity_bytes) {
+    size_t bytes = 0;
+    for (int32_t i = 0; i < cut->item_count; i++) {
+        bytes += patch_cache_bytes_needed(&cut->items[i], 1);
+        if (bytes > capacity_bytes)
+            return i;
+    }
+    return cut->item_count;
+}
+
+static void warn_over_budget(TerrainPass *pass, const PatchCache *cache, const LodCut *cut) {
+    if (!pass->over_budget)
+        log_warn("the cut needs %zu MiB of graphics memory, the limit is %zu MiB: drawing %s; raise the limit or the "
+                 "tolerance",
+                 patch_cache_bytes_needed(cut->items, cut->item_count) >> 20, patch_cache_capacity(cache) >> 20,
+                 pass->placed_count ? "the last cut that fitted" : "a part of it");
+    pass->over_budget = true;
+}
+
+static Result place_cut(TerrainPass *pass, PatchCache *cache, const LodCut *cut) {
+    int32_t count = cut->item_count;
+    Result result = patch_cache_place(cache, cut->items, count, pass->places);
+    if (result == RESULT_BUDGET) {
+        warn_over_budget(pass, cache, cut);
+        if (pass->placed_count) {
+            patch_cache_keep_last(cache);
+            return RESULT_OK;
+        }
+        count = count_fitting(cut, patch_cache_capacity(cache));
+        result = patch_cache_place(cache, cut->items, count, pass->places);
+    } else {
+        pass->over_budget = false;
+    }
+    pass->placed_count = result == RESULT_OK ? count : 0;
+    for (int32_t i = 0; i < pass->placed_count; i++)
+        pass->placed[i] = placed_from(&cut->items[i], &pass->places[i]);
+    return result;
+}
+
+static int compare_distance(const void *a, const void *b) {
+    const Visible *left = a, *right = b;
+    if (left->distance_m != right->distance_m)
+        return left->distance_m < right->distance_m ? -1 : 1;
+    return left->index - right->index;
+}
+
+static void find_visible(TerrainPass *pass, const Frame *frame) {
+    pass->visible_count = 0;
+    for (int32_t i = 0; i < pass->placed_count; i++) {
+        const Placed *placed = &pass->placed[i];
+        if (placed->index_count == 0 || !frame_sees_sphere(frame, placed->centre_ecef, placed->radius_m))
+            continue;
+        double distance = vec3d_distance(placed->centre_ecef, frame->eye_ecef) - placed->radius_m;
+        pass->visible[pass->visible_count++] = (Visible){distance, i};
+    }
+    qsort(pass->visible, (size_t)pass->visible_count, sizeof *pass->visible, compare_distance);
+}
+
+static Instance instance_of(const Placed *placed, const Frame *frame) {
+    FrameOffset offset = frame_offset(frame, placed->origin);
+    return (Instance){.lo = {offset.lo[0], offset.lo[1], offset.lo[2]},
+                      .col0 = placed->col0,
+                      .hi = {offset.hi[0], offset.hi[1], offset.hi[2]},
+                      .row0 = placed->row0,
+                      .info = placed->info};
+}
+
+static void fill_lists(TerrainPass *pass, const Frame *frame) {
+    pass->triangles = 0;
+    for (int32_t i = 0; i < pass->visible_count; i++) {
+        const Placed *placed = &pass->placed[pass->visible[i].index];
+        pass->commands[i] = (DrawCommand){.index_count = placed->index_count,
+                                          .instance_count = 1,
+                                          .first_index = placed->place.first_index,
+                                          .base_vertex = placed->place.base_vertex,
+                                          .base_instance = (uint32_t)i};
+        pass->instances[i] = instance_of(placed, frame);
+        pass->triangles += placed->index_count / 3;
+    }
+}
+
+static void upload_lists(const TerrainPass *pass) {
+    size_t count = (size_t)pass->visible_count;
+    if (!count)
+        return;
+    // Giving the storage anew each frame lets the driver keep what frames in flight read.
+    glNamedBufferData(pass->commands_buffer, (GLsizeiptr)(count * sizeof *pass->commands), pass->commands,
+                      GL_STREAM_DRAW);
+    glNamedBufferData(pass->instances_buffer, (GLsizeiptr)(count * sizeof *pass->instances), pass->instances,
+                      GL_STREAM_DRAW);
+}
+
+Result terrain_pass_prepare(TerrainPass *pass, PatchCache *cache, const Frame *frame, const LodCut *cut) {
+    Result result = reserve(pass, cut->item_count);
+    if (result == RESULT_OK)
+        result = place_cut(pass, cache, cut);
+    find_visible(pass, frame);
+    fill_lists(pass, frame);
+    upload_lists(pass);
+    return result;
+}
+
+void terrain_pass_draw(TerrainPass *pass, const PatchCache *cache) {
+    if (!pass->visible_count)
+        return;
+    GLuint buffer = patch_cache_buffer(cache);
+    glVertexArrayVertexBuffer(pass->vertex_array, BINDING_VERTICES, buffer, 0, sizeof(LodVertex));
+    glVertexArrayVertexBuffer(pass->vertex_array, BINDING_INSTANCES, pass->instances_buffer, 0, sizeof(Instance));
+    glVertexArrayElementBuffer(pass->vertex_array, buffer);
+    glBindVertexArray(pass->vertex_array);
+    glBindBuffer(GL_DRAW_INDIRECT_BUFFER, pass->commands_buffer);
+    glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT, NULL, pass->visible_count, 0);
+    glBindVertexArray(0);
+}
+
+void terrain_pass_count(const TerrainPass *pass, RenderStats *stats) {
+    stats->draws = pass->visible_count ? 1 : 0;
+    stats->patches_drawn = pass->visible_count;
+    stats->triangles_drawn = pass->triangles;
+}

@@ -1,0 +1,18 @@
+// render/terrain_pass.h: draws the items of a cut from the patch cache with one multi-draw.
+// Units as in render/frame.h.
+// A TerrainPass owns its programs and buffers; thread of the context.
+#pragma once
+#include "render/frame.h"
+#include "render/patch_cache.h"
+
+typedef struct TerrainPass TerrainPass;
+
+MUST_USE Result terrain_pass_create(TerrainPass **out);
+void terrain_pass_destroy(TerrainPass **pass);
+
+// Brings the packet's patches into the cache and lists those that can be seen, nearest first. When the cut does not
+// fit into the cache, the last one that did is listed, and a warning says so once. MEMORY: nothing is listed.
+MUST_USE Result terrain_pass_prepare(TerrainPass *pass, PatchCache *cache, const Frame *frame, const LodCut *cut);
+// Draws the list, with `program` bound by the caller.
+void terrain_pass_draw(TerrainPass *pass, const PatchCache *cache);
+void terrain_pass_count(const TerrainPass *pass, RenderStats *stats);
