@@ -241,21 +241,16 @@ static Result store(Value *value, const char *text, const char *where, OptionSou
     return RESULT_OK;
 }
 
-static Result check_value(const OptionSpec *spec, const char *text, const char *where, double *numbers) {
-    Result result = parse_value(spec, text, numbers);
+Result option_check(OptionId id, const char *text, const char *where, double numbers[4]) {
+    Result result = parse_value(&specs[id], text, numbers);
     if (result != RESULT_OK)
-        report_value(spec, text, where);
+        report_value(&specs[id], text, where);
     return result;
-}
-
-Result option_check(OptionId id, const char *text, const char *where) {
-    double numbers[4];
-    return check_value(&specs[id], text, where, numbers);
 }
 
 Result options_set(Options *options, OptionId id, const char *text, OptionSource source, const char *where) {
     double numbers[4] = {0};
-    Result result = check_value(&specs[id], text, where, numbers);
+    Result result = option_check(id, text, where, numbers);
     if (result != RESULT_OK)
         return result;
     if (source < options->values[id].source)

@@ -114,7 +114,8 @@ static bool visit_entry(void *user, const IniEntry *entry) {
     snprintf(where, sizeof where, "%s:%d: %s", entry->file, entry->line, entry->name);
     if (for_us)
         return options_set(options, (OptionId)id, entry->value, SOURCE_FILE, where) == RESULT_OK;
-    return option_check((OptionId)id, entry->value, where) == RESULT_OK;
+    double numbers[4];
+    return option_check((OptionId)id, entry->value, where, numbers) == RESULT_OK;
 }
 
 Result options_read_file(Options *options, const char *path) {

@@ -17,7 +17,7 @@ typedef struct Scene {
     char *dem[SCENE_DEM_MAX];
     int dem_count;
     char *image, *demo;    // NULL: none
-    char *datum, *voids;   // NULL: not said; else one of the choices of the option of that name
+    int datum, voids;      // the choice's index in the option of that name; -1: not said
     bool has_position, has_look, has_speed, has_sun, has_image_bounds;
     double position[3];     // latitude, longitude, altitude
     double look[2];         // heading, pitch

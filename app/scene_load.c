@@ -1,0 +1,191 @@
+#include "app/scene_load.h"
+
+#include "app/viewpoint.h"
+#include "base/log.h"
+#include "base/paths.h"
+#include "config/files.h"
+#include "terrain/geodesy.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define DEFAULT_SCENE "jacksboro"
+#define GEOID_FILE "geoid/egm96-15.pgm"
+
+static bool is_scene_file(const char *path) {
+    const char *dot = strrchr(path, '.');
+    return dot && strcmp(dot, ".scene") == 0;
+}
+
+// A bare word that is no file may be the name of a scene that came with the program.
+static bool find_named_scene(const char *word, char out[PATHS_BYTES_MAX]) {
+    char folder[PATHS_BYTES_MAX];
+    if (strpbrk(word, "./") || files_exists(word) || paths_find_data("scenes", folder) != RESULT_OK)
+        return false;
+    int printed = snprintf(out, PATHS_BYTES_MAX, "%s/%s.scene", folder, word);
+    return printed > 0 && printed < PATHS_BYTES_MAX && files_exists(out);
+}
+
+static Result read_named(const char *const *paths, int count, Scene *out) {
+    char path[PATHS_BYTES_MAX];
+    for (int i = 0; i < count; i++) {
+        bool named = !is_scene_file(paths[i]) && find_named_scene(paths[i], path);
+        if (!named && !is_scene_file(paths[i]))
+            continue;
+        if (count == 1)
+            return scene_read(named ? path : paths[i], out);
+        log_error("%s: a scene stands alone; expected one scene, or DEM files and folders", paths[i]);
+        return RESULT_USAGE;
+    }
+    return scene_of_dems(paths, count, out);
+}
+
+static Result read_scene(const Options *options, Scene *out) {
+    int count = options_positional_count(options);
+    if (count > 0)
+        return read_named(options_positionals(options), count, out);
+    char path[PATHS_BYTES_MAX];
+    Result result = paths_find_data("scenes/" DEFAULT_SCENE ".scene", path);
+    return result == RESULT_OK ? scene_read(path, out) : result;
+}
+
+// Index in the choices of the option: what was given on purpose, else the scene's word, else the default.
+static int choose(const Options *options, OptionId id, int scene_choice) {
+    return options_is_given(options, id) || scene_choice < 0 ? options_choice(options, id) : scene_choice;
+}
+
+DemOptions scene_dem_options(const Options *options, const Scene *scene) {
+    DemOptions dem = dem_default_options();
+    int datum = choose(options, OPTION_DATUM, scene ? scene->datum : -1);
+    dem.datum_given = datum > 0;
+    dem.datum = datum == 2 ? DEM_DATUM_ELLIPSOID : DEM_DATUM_EGM96;
+    dem.voids = (DemVoids)choose(options, OPTION_VOIDS, scene ? scene->voids : -1);
+    if (options_is_set(options, OPTION_SPACING))
+        dem.spacing_m = options_number(options, OPTION_SPACING);
+    if (options_is_set(options, OPTION_BOUNDS)) {
+        const double *bounds = options_numbers(options, OPTION_BOUNDS);
+        dem.bounds_given = true;
+        dem.west_deg = bounds[0];
+        dem.south_deg = bounds[1];
+        dem.east_deg = bounds[2];
+        dem.north_deg = bounds[3];
+    }
+    return dem;
+}
+
+LodOptions scene_lod_options(const Options *options) {
+    LodOptions lod = lod_default_options();
+    lod.method = (LodMethod)options_choice(options, OPTION_METHOD);
+    lod.partitions = (int)options_integer(options, OPTION_PARTITIONS);
+    lod.max_triangles = options_integer(options, OPTION_MAX_TRIANGLES);
+    lod.reuse = options_flag(options, OPTION_REUSE);
+    return lod;
+}
+
+Result scene_open_geoid(const Options *options, Geoid **out) {
+    char found[PATHS_BYTES_MAX];
+    const char *path = options_text(options, OPTION_GEOID);
+    if (!path) {
+        Result result = paths_find_data(GEOID_FILE, found);
+        if (result != RESULT_OK)
+            return result;
+        path = found;
+    }
+    return geoid_open(path, out);
+}
+
+static Result create_terrain(const Options *options, World *world) {
+    TerrainOptions terrain = terrain_default_options();
+    terrain.error = (TerrainErrorKind)options_choice(options, OPTION_ERROR);
+    terrain.patch_level = 2 * (options_choice(options, OPTION_PATCH_SIDE) + 1); // sides 3, 5, 9: 2, 4, 6 bisections
+    DemOptions dem_options = scene_dem_options(options, &world->scene);
+    Dem *dem = NULL;
+    Result result =
+        dem_load(&dem_options, (const char *const *)world->scene.dem, world->scene.dem_count, &dem);
+    if (result != RESULT_OK)
+        return result;
+    result = terrain_create(&terrain, dem, world->geoid, world->jobs, &world->terrain);
+    if (result != RESULT_OK)
+        dem_destroy(&dem);
+    return result;
+}
+
+Result world_load(const Options *options, World *out) {
+    World world = {.scene = {.datum = -1, .voids = -1}};
+    Result result = read_scene(options, &world.scene);
+    if (result != RESULT_OK)
+        goto fail;
+    result = jobs_create((int)options_integer(options, OPTION_THREADS), &world.jobs);
+    if (result != RESULT_OK)
+        goto fail;
+    result = scene_open_geoid(options, &world.geoid);
+    if (result != RESULT_OK)
+        goto fail;
+    result = create_terrain(options, &world);
+    if (result != RESULT_OK)
+        goto fail;
+    *out = world;
+    return RESULT_OK;
+fail:
+    world_unload(&world);
+    return result;
+}
+
+void world_unload(World *world) {
+    if (world->terrain)
+        terrain_destroy(&world->terrain);
+    if (world->geoid)
+        geoid_close(&world->geoid);
+    if (world->jobs)
+        jobs_destroy(&world->jobs);
+    scene_clear(&world->scene);
+}
+
+Result world_viewpoint(const World *world, const Options *options, Viewpoint *out) {
+    const Scene *scene = &world->scene;
+    Viewpoint view = {0};
+    bool eye_given = options_is_set(options, OPTION_EYE);
+    if (eye_given || scene->has_position) {
+        const double *eye = eye_given ? options_numbers(options, OPTION_EYE) : scene->position;
+        view.lat_deg = eye[0];
+        view.lon_deg = eye[1];
+        view.alt_m = eye[2];
+        if (!eye_given && scene->has_look) {
+            view.heading_deg = scene->look[0];
+            view.pitch_deg = scene->look[1];
+        }
+    } else {
+        Result result = viewpoint_of_relief(world->terrain, world->geoid, &view);
+        if (result != RESULT_OK)
+            return result;
+    }
+    if (options_is_set(options, OPTION_LOOK)) {
+        view.heading_deg = options_numbers(options, OPTION_LOOK)[0];
+        view.pitch_deg = options_numbers(options, OPTION_LOOK)[1];
+    }
+    *out = view;
+    return RESULT_OK;
+}
+
+double world_ellipsoid_m(const World *world, double lat_deg, double lon_deg, double alt_m) {
+    return alt_m + geoid_undulation_m(world->geoid, lat_deg, lon_deg);
+}
+
+Vec3d world_viewpoint_ecef(const World *world, const Viewpoint *view) {
+    double h_m = world_ellipsoid_m(world, view->lat_deg, view->lon_deg, view->alt_m);
+    return geodesy_to_ecef(
+        (Geodetic){view->lat_deg * GEODESY_RAD_PER_DEG, view->lon_deg * GEODESY_RAD_PER_DEG, h_m});
+}
+
+double scene_px_per_rad(const Options *options) {
+    double fov_rad = options_number(options, OPTION_FOV) * GEODESY_RAD_PER_DEG;
+    return options_numbers(options, OPTION_SIZE)[1] / (2.0 * tan(fov_rad / 2.0));
+}
+
+LodView world_lod_view(const World *world, const Options *options, const Viewpoint *view) {
+    return (LodView){.eye_ecef = world_viewpoint_ecef(world, view),
+                     .forward_ecef = viewpoint_forward(view),
+                     .px_per_rad = scene_px_per_rad(options),
+                     .tau_px = options_number(options, OPTION_TAU)};
+}

@@ -1,0 +1,51 @@
+#include "input/action.h"
+
+typedef enum Shift { ANY, PLAIN, SHIFTED } Shift;
+
+static const struct {
+    int key;
+    Shift shift;
+    Action action;
+} bindings[] = {
+    {KEY_UP, ANY, ACTION_STICK_FORWARD},      {KEY_PAD_8, ANY, ACTION_STICK_FORWARD},
+    {KEY_DOWN, ANY, ACTION_STICK_BACK},       {KEY_PAD_2, ANY, ACTION_STICK_BACK},
+    {KEY_LEFT, ANY, ACTION_STICK_LEFT},       {KEY_PAD_4, ANY, ACTION_STICK_LEFT},
+    {KEY_RIGHT, ANY, ACTION_STICK_RIGHT},     {KEY_PAD_6, ANY, ACTION_STICK_RIGHT},
+    {'0', ANY, ACTION_RUDDER_LEFT},           {KEY_PAD_0, ANY, ACTION_RUDDER_LEFT},
+    {KEY_ENTER, ANY, ACTION_RUDDER_RIGHT},    {KEY_PAD_ENTER, ANY, ACTION_RUDDER_RIGHT},
+    {KEY_PAGE_UP, ANY, ACTION_THROTTLE_UP},   {KEY_PAGE_DOWN, ANY, ACTION_THROTTLE_DOWN},
+    {'5', ANY, ACTION_CENTRE},                {KEY_PAD_5, ANY, ACTION_CENTRE},
+    {'V', PLAIN, ACTION_VIEW_NEXT},           {'V', SHIFTED, ACTION_VIEW_PREVIOUS},
+    {'X', PLAIN, ACTION_ZOOM_IN},             {'X', SHIFTED, ACTION_ZOOM_OUT},
+    {'P', ANY, ACTION_PAUSE},                 {'A', PLAIN, ACTION_TIME_FASTER},
+    {'A', SHIFTED, ACTION_TIME_SLOWER},       {'H', ANY, ACTION_HUD},
+    {KEY_F3, ANY, ACTION_SCREENSHOT},         {'T', PLAIN, ACTION_FINER},
+    {'T', SHIFTED, ACTION_COARSER},           {'M', ANY, ACTION_METHOD},
+    {'W', ANY, ACTION_WIREFRAME},             {'L', ANY, ACTION_COLOURING},
+    {KEY_F1, ANY, ACTION_HELP},               {KEY_ESCAPE, ANY, ACTION_LEAVE},
+};
+
+Action action_of_key(int key, bool shift) {
+    for (size_t i = 0; i < COUNT_OF(bindings); i++) {
+        bool fits = bindings[i].shift == ANY || (bindings[i].shift == SHIFTED) == shift;
+        if (bindings[i].key == key && fits)
+            return bindings[i].action;
+    }
+    return ACTION_NONE;
+}
+
+static const struct {
+    const char *keys, *help;
+} texts[ACTION_COUNT] = {
+#define ACTION_TEXT(id, keys, help) [ACTION_##id] = {keys, help},
+    ACTION_HELD_TABLE(ACTION_TEXT) ACTION_ONCE_TABLE(ACTION_TEXT)
+#undef ACTION_TEXT
+};
+
+const char *action_keys(Action action) {
+    return texts[action].keys;
+}
+
+const char *action_help(Action action) {
+    return texts[action].help;
+}

@@ -1,0 +1,68 @@
+// input/action.h: everything a key can do, and which key does it.
+// Key codes name positions on a US keyboard; their values are GLFW's, which render/context hands on.
+// Static tables; any thread.
+#pragma once
+#include "base/base.h"
+
+#define KEY_ESCAPE 256
+#define KEY_ENTER 257
+#define KEY_RIGHT 262
+#define KEY_LEFT 263
+#define KEY_DOWN 264
+#define KEY_UP 265
+#define KEY_PAGE_UP 266
+#define KEY_PAGE_DOWN 267
+#define KEY_F1 290
+#define KEY_F3 292
+#define KEY_PAD_0 320
+#define KEY_PAD_2 322
+#define KEY_PAD_4 324
+#define KEY_PAD_5 325
+#define KEY_PAD_6 326
+#define KEY_PAD_8 328
+#define KEY_PAD_ENTER 335
+
+// X(identifier, keys for people, help). Held actions move a control for as long as their key is down; the others happen
+// once a press.
+#define ACTION_HELD_TABLE(X)                                                                                           \
+    X(STICK_FORWARD, "Up", "nose down")                                                                                \
+    X(STICK_BACK, "Down", "nose up")                                                                                   \
+    X(STICK_LEFT, "Left", "roll left")                                                                                 \
+    X(STICK_RIGHT, "Right", "roll right")                                                                              \
+    X(RUDDER_LEFT, "0", "rudder left")                                                                                 \
+    X(RUDDER_RIGHT, "Enter", "rudder right")                                                                           \
+    X(THROTTLE_UP, "PgUp", "more throttle")                                                                            \
+    X(THROTTLE_DOWN, "PgDn", "less throttle")
+
+#define ACTION_ONCE_TABLE(X)                                                                                           \
+    X(CENTRE, "5", "centre stick and rudder")                                                                          \
+    X(VIEW_NEXT, "v", "next view")                                                                                     \
+    X(VIEW_PREVIOUS, "V", "previous view")                                                                             \
+    X(ZOOM_IN, "x", "narrower field of view")                                                                          \
+    X(ZOOM_OUT, "X", "wider field of view")                                                                            \
+    X(PAUSE, "p", "pause")                                                                                             \
+    X(TIME_FASTER, "a", "time runs faster")                                                                            \
+    X(TIME_SLOWER, "A", "time runs slower")                                                                            \
+    X(HUD, "h", "head-up display on and off")                                                                          \
+    X(SCREENSHOT, "F3", "write a picture")                                                                             \
+    X(FINER, "t", "smaller tolerated error")                                                                           \
+    X(COARSER, "T", "larger tolerated error")                                                                          \
+    X(METHOD, "m", "next level-of-detail method")                                                                      \
+    X(WIREFRAME, "w", "triangle edges on and off")                                                                     \
+    X(COLOURING, "l", "next colouring: land, level, cache, partition")                                                 \
+    X(HELP, "F1", "help on and off")                                                                                   \
+    X(LEAVE, "Esc", "leave")
+
+typedef enum Action {
+#define ACTION_ENUM(id, keys, help) ACTION_##id,
+    ACTION_HELD_TABLE(ACTION_ENUM) ACTION_HELD_COUNT,
+    ACTION_HELD_LAST = ACTION_HELD_COUNT - 1,
+    ACTION_ONCE_TABLE(ACTION_ENUM) ACTION_COUNT,
+#undef ACTION_ENUM
+    ACTION_NONE = -1
+} Action;
+
+// What the key does; ACTION_NONE: nothing.
+Action action_of_key(int key, bool shift);
+const char *action_keys(Action action); // "PgUp"
+const char *action_help(Action action);
