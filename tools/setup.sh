@@ -31,13 +31,11 @@ is_debian_like() {
     )
 }
 
-apt_as_root() {
+as_root() {
     if [ "$(id -u)" = 0 ]; then
-        apt-get "$@"
-    elif command -v sudo >/dev/null; then
-        sudo DEBIAN_FRONTEND=noninteractive apt-get "$@"
+        "$@"
     else
-        fail "Installing packages needs root, and there is no sudo. As root: apt-get $*"
+        sudo DEBIAN_FRONTEND=noninteractive "$@"
     fi
 }
 
@@ -50,9 +48,11 @@ install_packages() {
     local missing
     mapfile -t missing < <(packages_missing "$1")
     [ ${#missing[@]} -eq 0 ] && return
-    say "Installing ${#missing[@]} packages: ${missing[*]}"
-    apt_as_root update -qq || say "apt-get update failed; trying with the package lists at hand." >&2
-    apt_as_root install -y --no-install-recommends -o Dpkg::Use-Pty=0 -qq "${missing[@]}" >"$setup_log" 2>&1 || {
+    say "Installing: ${missing[*]}"
+    [ "$(id -u)" = 0 ] || command -v sudo >/dev/null ||
+        fail "That needs root, and there is no sudo. As root: apt-get install ${missing[*]}"
+    as_root apt-get update -qq || say "apt-get update failed; trying with the package lists at hand." >&2
+    as_root apt-get install -y --no-install-recommends -o Dpkg::Use-Pty=0 -qq "${missing[@]}" >"$setup_log" 2>&1 || {
         tail -n 30 "$setup_log" >&2
         fail "apt-get could not install the packages above; its whole output is in $setup_log."
     }
@@ -60,12 +60,16 @@ install_packages() {
 
 # Where there is no apt: the libraries are looked for with pkg-config and the names printed if one is not there.
 install_by_hand() {
-    local module absent=()
+    local module tool absent=()
+    for tool in cmake ninja cc c++ pkg-config; do
+        command -v "$tool" >/dev/null || absent+=("$tool")
+    done
     for module in epoxy glfw3 OpenImageIO geographiclib libtiff-4 zlib libcjson inih; do
         pkg-config --exists "$module" 2>/dev/null || absent+=("$module")
     done
-    [ ${#absent[@]} -eq 0 ] && command -v cmake ninja >/dev/null && return
-    say "This is not Debian or Ubuntu, so nothing was installed. Overfly needs what these Debian packages hold:" >&2
+    [ ${#absent[@]} -eq 0 ] && return
+    say "This is neither Debian nor Ubuntu, so nothing is installed. Not found: ${absent[*]}." \
+        "Overfly needs what these Debian packages hold:" >&2
     packages_for "$1" >&2
     fail "Install them in this system's way and run this again."
 }
