@@ -164,11 +164,26 @@ static void release_work(ErrorWork *work) {
     }
 }
 
+// A patch whose middle has this step must fit into 32-bit offsets on the lattice; larger ones always split.
+static bool too_large(const ErrorWork *work, const ErrorPlane *plane) {
+    GridBounds bounds = grid_bounds(work->input->grid, 0, work->height - 1, 0.0);
+    return 3.0 * plane->step * fmax(bounds.across_m, bounds.down_m) * GRID_LATTICE_PER_M > (double)INT32_MAX;
+}
+
+static void force_plane(ErrorPlane *plane) {
+    for (int j = 0; j < plane->height; j++)
+        for (int i = j & 1 ? 0 : 1; i < plane->width; i += j & 1 ? 1 : 2)
+            plane->delta[(size_t)j * plane->stride + (size_t)i] = ERROR_FIELD_ALWAYS;
+}
+
 static void mark_forced(const ErrorWork *work, ErrorField *field) {
-    for (int k = 0; k < field->plane_count; k++)
+    for (int k = 0; k < field->plane_count; k++) {
+        ErrorPlane *plane = &field->planes[k];
+        if (too_large(work, plane))
+            force_plane(plane);
         for (int32_t i = 0; i < work->forced_count[k]; i++)
-            field->planes[k].delta[(size_t)work->forced[k][i].j * field->planes[k].stride + (size_t)work->forced[k][i].i] =
-                ERROR_FIELD_ALWAYS;
+            plane->delta[(size_t)work->forced[k][i].j * plane->stride + (size_t)work->forced[k][i].i] = ERROR_FIELD_ALWAYS;
+    }
 }
 
 Result error_field_create(const ErrorFieldInput *input, Jobs *jobs, ErrorField *out) {
