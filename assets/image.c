@@ -3,10 +3,10 @@
 
 #include "assets/image_module.h"
 #include "base/log.h"
+#include "base/paths.h"
 
 #include <dlfcn.h>
 #include <errno.h>
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -39,65 +39,32 @@ size_t image_type_bytes(ImageType type) {
 
 // ---- The module -------------------------------------------------------------------------------------------------
 
-// The directory of the running program, without a trailing slash; "" where the system does not say.
-static void program_directory(char out[PATH_MAX]) {
-    ssize_t length = readlink("/proc/self/exe", out, PATH_MAX - 1);
-    out[length > 0 ? length : 0] = '\0';
-    char *slash = strrchr(out, '/');
-    if (slash)
-        *slash = '\0';
-}
-
-static void *open_library(const char *directory, const char *below) {
-    char path[PATH_MAX + 64];
-    int length = snprintf(path, sizeof path, "%s%s/" IMAGE_MODULE_FILE, directory, below);
-    if (!directory[0] || length >= (int)sizeof path || access(path, R_OK))
-        return NULL;
-    // Never unloaded: its libraries register destructors and thread pools that don't survive that.
+static ImageModuleEntry *find_entry(const char *path) {
+    // Never unloaded: its libraries register destructors and thread pools that don't survive that. So only the first
+    // image waits for them.
     void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
     if (!library)
-        log_debug("%s: %s", path, dlerror());
-    return library;
-}
-
-static void *find_library(void) {
-    char program[PATH_MAX];
-    program_directory(program);
-    const char *override = getenv("OVERFLY_MODULE_DIR");
-    if (override && override[0])
-        return open_library(override, "");
-    const struct {
-        const char *directory, *below;
-    } places[] = {
-        {program, ""},                                    // the build tree
-        {program, "/.."},                                 // the build tree's tests
-        {program, "/../" IMAGE_MODULE_LIBDIR "/overfly"}, // installed, wherever the prefix went
-        {IMAGE_MODULE_INSTALLED, ""},
-    };
-    void *library = NULL;
-    for (size_t i = 0; i < COUNT_OF(places) && !library; i++)
-        library = open_library(places[i].directory, places[i].below);
-    return library;
+        return NULL;
+    ImageModuleEntry *entry = NULL;
+    void *symbol = dlsym(library, IMAGE_MODULE_ENTRY);
+    memcpy(&entry, &symbol, sizeof entry); // ISO C has no cast from dlsym's object pointer to a function
+    dlclose(library);
+    return entry;
 }
 
 static Result load_module(const ImageModule **out) {
-    void *library = find_library();
-    ImageModuleEntry *entry = NULL;
-    if (library) {
-        // POSIX lets an object pointer from dlsym hold a function; ISO C needs the detour.
-        void *symbol = dlsym(library, IMAGE_MODULE_ENTRY);
-        memcpy(&entry, &symbol, sizeof entry);
-        dlclose(library);
-    }
-    if (!entry || entry()->version != IMAGE_MODULE_VERSION) {
-        const char *reason = dlerror();
-        log_error("%s: the module that reads images %s%s%s; expected it beside the program or in %s; install Overfly again, "
-                  "or name its directory in OVERFLY_MODULE_DIR",
-                  IMAGE_MODULE_FILE, entry ? "is of another version" : "was not loaded", reason ? ": " : "",
-                  reason ? reason : "", IMAGE_MODULE_INSTALLED);
+    char path[PATHS_BYTES_MAX];
+    Result result = paths_find_module(IMAGE_MODULE_FILE, path);
+    if (result != RESULT_OK)
+        return RESULT_DEVICE;
+    ImageModuleEntry *entry = find_entry(path);
+    const ImageModule *module = entry ? entry() : NULL;
+    if (!module || module->version != IMAGE_MODULE_VERSION) {
+        const char *reason = module ? "it is of another version" : dlerror();
+        log_error("%s: images cannot be read: %s; install overfly again", path, reason ? reason : "no entry point");
         return RESULT_DEVICE;
     }
-    *out = entry();
+    *out = module;
     return RESULT_OK;
 }
 
