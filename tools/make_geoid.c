@@ -57,7 +57,7 @@ static int read_grid(const char *path, uint16_t grid[ROWS][COLS]) {
         for (int col = 0; col < COLS; col++) {
             double level = ((double)read_float(file) - OFFSET_M) / SCALE_M;
             valid = valid && level >= 0.0 && level <= 65535.0;
-            grid[row][(col + COLS / 2) % COLS] = valid ? (uint16_t)lround(level) : 0;
+            grid[row][(col + COLS / 2) % COLS] = valid ? (uint16_t)lrint(level) : 0;
         }
     valid = valid && !feof(file) && !ferror(file);
     fclose(file);
