@@ -9,7 +9,7 @@
 #define SHAPES_AT_FIRST 2048
 #define HALO_GROW 0.9f     // units that the halo reaches beyond its shape before it fades
 #define HALO_SOFT 2.2f     // units over which it fades
-#define HALO_OPACITY 0.55f // of that of the shape
+#define HALO_OPACITY 0.68f // of that of the shape
 
 typedef struct ShapeList {
     CanvasShape *shapes;
@@ -135,6 +135,12 @@ void canvas_frame(Canvas *canvas, CanvasRect box, float corner_px, float width_p
 
 void canvas_triangle(Canvas *canvas, CanvasPoint a, CanvasPoint b, CanvasPoint c, CanvasColour colour) {
     CanvasShape shape = shape_make(CANVAS_TRIANGLE, colour);
+    float turn = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+    if (turn > 0.0f) { // clockwise, as y points downwards
+        CanvasPoint swap = b;
+        b = c;
+        c = swap;
+    }
     memcpy(shape.a, (float[]){a.x, a.y, b.x, b.y}, sizeof shape.a);
     shape.b[0] = c.x;
     shape.b[1] = c.y;
@@ -142,9 +148,8 @@ void canvas_triangle(Canvas *canvas, CanvasPoint a, CanvasPoint b, CanvasPoint c
 }
 
 void canvas_ring(Canvas *canvas, CanvasPoint centre, float radius_px, float width_px, CanvasColour colour) {
-    CanvasShape shape = shape_make(CANVAS_RING, colour);
-    memcpy(shape.a, (float[]){centre.x, centre.y, radius_px, width_px * 0.5f}, sizeof shape.a);
-    push_with_halo(canvas, &shape);
+    CanvasRect box = {centre.x - radius_px, centre.y - radius_px, centre.x + radius_px, centre.y + radius_px};
+    canvas_frame(canvas, box, radius_px, width_px, colour); // all corner
 }
 
 static void push_glyph(Canvas *canvas, const CanvasFont *font, CanvasPoint pen, const TextGlyph *glyph) {

@@ -20,13 +20,12 @@ typedef struct CanvasColour {
 
 typedef enum CanvasAlign { CANVAS_LEFT, CANVAS_CENTRE, CANVAS_RIGHT } CanvasAlign;
 
-typedef enum CanvasKind { CANVAS_LINE, CANVAS_BOX, CANVAS_TRIANGLE, CANVAS_RING, CANVAS_GLYPH } CanvasKind;
+typedef enum CanvasKind { CANVAS_LINE, CANVAS_BOX, CANVAS_TRIANGLE, CANVAS_GLYPH } CanvasKind;
 
 // One instance of canvas.vert, field by field in the same order there. By kind, `a` and `b` are
 // LINE      two ends; half width
 // BOX       two corners; corner radius, half width of the outline or less than 0: filled
-// TRIANGLE  two corners; the third one
-// RING      centre, radius, half width; nothing
+// TRIANGLE  two corners; the third one, counter-clockwise as the picture is seen
 // GLYPH     two corners; the same in the atlas
 typedef struct CanvasShape {
     float a[4], b[4];

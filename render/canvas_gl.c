@@ -8,7 +8,7 @@
 #include <stdlib.h>
 
 _Static_assert(sizeof(CanvasShape) == 52, "attributes below follow CanvasShape");
-_Static_assert(CANVAS_GLYPH == 4, "shaders/canvas_kinds.glsl has the same values");
+_Static_assert(CANVAS_GLYPH == 3, "shaders/canvas_interface.glsl has the same values");
 
 struct CanvasGl {
     GLuint program, vertex_array, shapes, atlas, sampler;

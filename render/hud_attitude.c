@@ -90,8 +90,7 @@ static void paint_rung_label(const HudPainter *painter, const Rung *rung, double
 static void paint_rung_side(const HudPainter *painter, const Rung *rung, double side) {
     static const double DASHES[] = {42.0, 54.0, 61.0, 73.0, 80.0, 92.0};
     if (rung->pitch > 0.0) {
-        paint_rung_piece(painter, rung, side * 42.0, side * 67.0);
-        paint_rung_piece(painter, rung, side * 67.0, side * 92.0);
+        paint_rung_piece(painter, rung, side * 42.0, side * 92.0);
     } else {
         for (size_t i = 0; i < COUNT_OF(DASHES); i += 2)
             paint_rung_piece(painter, rung, side * DASHES[i], side * DASHES[i + 1]);

@@ -1,71 +1,64 @@
-// The page of keys.
+// The page of keys: two columns of rows, as the packet gives them.
 #include "render/hud_paint.h"
 
 #include <math.h>
-#include <stddef.h>
 
-typedef struct HelpRow {
-    const char *keys, *meaning; // no keys: a heading
-} HelpRow;
+// All in pixels, for text of the size `text_px`.
+typedef struct HelpPage {
+    float text_px, row_px, inset, gap;
+    float keys_px, meaning_px; // widest of the rows
+    int rows_left;             // in the left column; the rest stands right
+} HelpPage;
 
-#define UP_DOWN "\xE2\x86\x91 \xE2\x86\x93"
-#define LEFT_RIGHT "\xE2\x86\x90 \xE2\x86\x92"
-
-static const HelpRow FLYING[] = {
-    {NULL, "Flying"},
-    {UP_DOWN, "nose down, nose up"},
-    {LEFT_RIGHT, "roll left, right"},
-    {"5", "stick and rudder to the centre"},
-    {"0  Enter", "rudder left, right"},
-    {"PgUp  PgDn", "throttle"},
-    {"P", "pause"},
-    {"A  Shift A", "time faster, slower"},
-    {"Home", "back to the start"},
-    {"Esc", "leave"},
-};
-static const HelpRow PICTURE[] = {
-    {NULL, "Picture"},
-    {"X  Shift X", "zoom in, out"},
-    {"T  Shift T", "tolerance finer, coarser"},
-    {"M", "next method"},
-    {"W", "wireframe"},
-    {"L", "colours: land, level, cache, partition"},
-    {"H", "flight instruments"},
-    {"F1", "this page"},
-    {"F2", "panel of numbers"},
-    {"F3", "screenshot"},
-};
-
-typedef struct HelpColumn {
-    const HelpRow *rows;
-    size_t count;
-    float x0, keys_px; // left edge, width of the keys
-} HelpColumn;
-
-static void paint_column(const HudPainter *painter, const HelpColumn *column, float top, float row_px) {
-    float size = painter->layout.small_px * 1.08f;
-    for (size_t i = 0; i < column->count; i++) {
-        const HelpRow *row = &column->rows[i];
-        float y = hud_baseline(painter, top + row_px * ((float)i + 0.5f), size);
-        CanvasPoint keys = {column->x0, y}, meaning = {column->x0 + (row->keys ? column->keys_px : 0.0f), y};
-        if (row->keys)
-            hud_text(painter, keys, size, CANVAS_LEFT, HUD_ACCENT, row->keys);
-        hud_text(painter, meaning, size, CANVAS_LEFT, row->keys ? HUD_INK : HUD_DIM, row->meaning);
+static HelpPage page_measure(const HudPainter *painter, const RenderHud *hud, float text_px) {
+    HelpPage page = {.text_px = text_px, .row_px = text_px * 1.75f, .inset = text_px * 1.6f, .gap = text_px * 1.2f};
+    page.rows_left = (hud->help_count + 1) / 2;
+    for (int i = 0; i < hud->help_count; i++) {
+        page.keys_px = fmaxf(page.keys_px, text_width_px(painter->text, hud->help[i].keys, text_px));
+        page.meaning_px = fmaxf(page.meaning_px, text_width_px(painter->text, hud->help[i].meaning, text_px));
     }
+    return page;
 }
 
-void hud_paint_help(const HudPainter *painter) {
+static float page_width(const HelpPage *page) {
+    return 2.0f * (page->inset + page->keys_px + page->gap + page->meaning_px) + 2.0f * page->gap;
+}
+
+// The title takes two rows.
+static float page_height(const HelpPage *page) {
+    return 2.0f * page->inset + page->row_px * (float)(page->rows_left + 2);
+}
+
+// As large as the display's text, or as the window allows.
+static HelpPage page_fit(const HudPainter *painter, const RenderHud *hud) {
     const HudLayout *layout = &painter->layout;
-    float u = layout->unit, inset = 24.0f * u, gap = 20.0f * u;
-    CanvasRect page = layout->help;
-    float half = (page.x1 - page.x0 - 2.0f * inset - gap) * 0.5f;
-    float row_px = roundf(fminf(30.0f * u, (page.y1 - page.y0 - 2.0f * inset) / (COUNT_OF(FLYING) + 1.5f)));
-    canvas_box(painter->canvas, page, 8.0f * u, HUD_PLATE_DENSE);
-    float title = hud_baseline(painter, page.y0 + inset + 6.0f * u, layout->text_px * 1.2f);
-    hud_text(painter, (CanvasPoint){page.x0 + inset, title}, layout->text_px * 1.2f, CANVAS_LEFT, HUD_INK,
-             "Overfly \xE2\x80\x93 keys");
-    HelpColumn flying = {FLYING, COUNT_OF(FLYING), page.x0 + inset, 6.4f * layout->small_px};
-    HelpColumn picture = {PICTURE, COUNT_OF(PICTURE), page.x0 + inset + half + gap, 6.0f * layout->small_px};
-    paint_column(painter, &flying, page.y0 + inset + 26.0f * u, row_px);
-    paint_column(painter, &picture, page.y0 + inset + 26.0f * u, row_px);
+    HelpPage page = page_measure(painter, hud, layout->text_px * 0.9f);
+    float room_x = layout->help.x1 - layout->help.x0, room_y = layout->help.y1 - layout->help.y0;
+    float scale = fminf(room_x / page_width(&page), room_y / page_height(&page));
+    return scale < 1.0f ? page_measure(painter, hud, page.text_px * scale) : page;
+}
+
+static void paint_row(const HudPainter *painter, const HelpPage *page, const RenderHelpRow *row, CanvasPoint at) {
+    CanvasPoint keys = {at.x, hud_baseline(painter, at.y + page->row_px * 0.5f, page->text_px)};
+    CanvasPoint meaning = {at.x + page->keys_px + page->gap, keys.y};
+    hud_text(painter, keys, page->text_px, CANVAS_LEFT, HUD_ACCENT, row->keys);
+    hud_text(painter, meaning, page->text_px, CANVAS_LEFT, HUD_INK, row->meaning);
+}
+
+void hud_paint_help(const HudPainter *painter, const RenderHud *hud) {
+    HelpPage page = page_fit(painter, hud);
+    CanvasPoint centre = painter->layout.centre;
+    float half_x = page_width(&page) * 0.5f, half_y = page_height(&page) * 0.5f;
+    CanvasRect box = {roundf(centre.x - half_x), roundf(centre.y - half_y), roundf(centre.x + half_x),
+                      roundf(centre.y + half_y)};
+    canvas_box(painter->canvas, box, 8.0f * painter->layout.unit, HUD_PLATE_DENSE);
+    CanvasPoint title = {box.x0 + page.inset,
+                         hud_baseline(painter, box.y0 + page.inset + page.row_px * 0.5f, page.text_px * 1.3f)};
+    hud_text(painter, title, page.text_px * 1.3f, CANVAS_LEFT, HUD_DIM, "Overfly \xE2\x80\x93 keys");
+    for (int i = 0; i < hud->help_count; i++) {
+        bool right = i >= page.rows_left;
+        CanvasPoint at = {right ? centre.x + page.gap : box.x0 + page.inset,
+                          box.y0 + page.inset + page.row_px * (float)(2 + i - (right ? page.rows_left : 0))};
+        paint_row(painter, &page, &hud->help[i], at);
+    }
 }

@@ -48,7 +48,7 @@ static CanvasRect mirrored(const HudLayout *layout, CanvasRect rect) {
 
 // The speed's column left of the circle; under the panel where the window is too narrow for both side by side.
 static void place_speed(HudLayout *layout) {
-    float u = layout->unit, right = layout->centre.x - layout->radius - 40.0f * u, left = right - 88.0f * u;
+    float u = layout->unit, right = layout->centre.x - layout->radius - 40.0f * u, left = right - fmaxf(88.0f * u, 7.2f * layout->small_px);
     bool under_panel = layout->panel.x1 + 8.0f * u > left;
     float top = (under_panel ? layout->panel.y1 : 0.0f) + 8.0f * u;
     float middle = fmaxf(layout->centre.y, top + (18.0f + 16.0f) * u);
@@ -70,10 +70,8 @@ static void place_altitude(HudLayout *layout) {
 }
 
 static void place_help(HudLayout *layout) {
-    float u = layout->unit;
-    float half_x = fminf(330.0f * u, layout->centre.x - 6.0f * u), half_y = fminf(270.0f * u, layout->centre.y - 4.0f * u);
-    layout->help = rect_round((CanvasRect){layout->centre.x - half_x, layout->centre.y - half_y,
-                                           layout->centre.x + half_x, layout->centre.y + half_y});
+    float margin = 8.0f * layout->unit;
+    layout->help = (CanvasRect){margin, margin, layout->width - margin, layout->height - margin};
 }
 
 HudLayout hud_layout_make(int width, int height, bool show_numbers) {

@@ -24,7 +24,7 @@ typedef struct HudLayout {
     CanvasRect panel;       // room for HUD_PANEL_ROWS; empty when not asked for
     CanvasRect note;        // "paused"
     CanvasRect message;
-    CanvasRect help;
+    CanvasRect help;        // the most that the page of keys may take
 } HudLayout;
 
 // `width`, `height` >= 1.

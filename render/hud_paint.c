@@ -36,7 +36,7 @@ void hud_paint(Canvas *canvas, Text *text, const RenderPacket *packet, const Ren
                           .view = hud_view_make(&packet->camera, width, height)};
     canvas_begin(canvas, painter.layout.unit);
     if (hud->show_help) {
-        hud_paint_help(&painter);
+        hud_paint_help(&painter, hud);
         return;
     }
     if (hud->show_flight)

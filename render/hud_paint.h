@@ -23,7 +23,7 @@ void hud_paint_attitude(const HudPainter *painter, const RenderPacket *packet); 
 void hud_paint_scales(const HudPainter *painter, const RenderHud *hud);         // hud_scales.c
 void hud_paint_numbers(const HudPainter *painter, const RenderPacket *packet, const RenderStats *previous); // hud_panel.c
 void hud_paint_message(const HudPainter *painter, const RenderHud *hud);
-void hud_paint_help(const HudPainter *painter); // hud_help.c
+void hud_paint_help(const HudPainter *painter, const RenderHud *hud); // hud_help.c
 
 // What they share: colours of the display, and text.
 #define HUD_INK ((CanvasColour){0.93f, 0.98f, 0.95f, 1.0f})

@@ -21,6 +21,11 @@ typedef struct RenderCamera {
     double fov_y_rad;       // 1 .. 179 degrees
 } RenderCamera;
 
+// One row of the page of keys.
+typedef struct RenderHelpRow {
+    const char *keys, *meaning; // "PgUp", "more throttle"
+} RenderHelpRow;
+
 // What the HUD and the panel say. Text is UTF-8.
 typedef struct RenderHud {
     bool show_flight, show_numbers, show_help;
@@ -32,6 +37,8 @@ typedef struct RenderHud {
     const char *datum;        // of altitude_m: "EGM96"; static
     const char *method;       // lod_method_name of what made the cut; static, or NULL
     double frame_ms, frame_p99_ms; // of the last seconds, whole frames
+    const RenderHelpRow *help; // the page of keys, help_count rows; static
+    int help_count;
     const char *message;      // one line for a few seconds, or NULL; lives as long as the packet
 } RenderHud;
 
