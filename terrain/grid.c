@@ -132,8 +132,11 @@ static Result control_point(const DemGeoref *georef, double col, double row, Con
     double lat_deg, lon_deg;
     Result result = geo_utm_reverse(georef->utm_zone, georef->utm_north, georef->x0 + georef->dx * col,
                                     georef->y0 + georef->dy * row, &lat_deg, &lon_deg);
-    if (result != RESULT_OK)
+    if (result != RESULT_OK) {
+        log_error("grid: column %.0f, row %.0f is outside UTM zone %d, %s; check the file's georeference", col, row,
+                  georef->utm_zone, georef->utm_north ? "north" : "south");
         return result;
+    }
     LatTrig lat = lat_trig(lat_deg);
     double lon_rad = lon_deg * GEODESY_RAD_PER_DEG;
     *out = (Control){{lat.axis_m * cos(lon_rad), lat.axis_m * sin(lon_rad), lat.z_m, 0.0}};
