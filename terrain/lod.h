@@ -8,6 +8,8 @@
 #include "terrain/jobs.h"
 #include "terrain/terrain.h"
 
+#define LOD_PARTITIONS_MAX 64
+
 typedef enum LodMethod { LOD_HYBRID, LOD_BRUTE, LOD_METHOD_COUNT } LodMethod;
 const char *lod_method_name(LodMethod method); // "hybrid"
 bool lod_method_from_name(const char *name, LodMethod *out);

@@ -1,0 +1,493 @@
+// terrain/lod_hybrid.c: the hybrid method of Loeffler, Schwanke, Schumann 2010, section 4: a cut through the patch hierarchy (4.1),
+// each selected patch triangulated by vertex (4.2), its triangulation kept and drawn again while the eye stays in its
+// sphere of validity (4.3). What is stale is triangulated in partitions along the observer line, by the pool.
+//
+// Differences from the paper: activity is nu delta + r > d, which does not flip its sign inside a vertex's sphere; selection is
+// done anew each frame (microseconds), so the sphere need not count the patch's own split; triangles are an index list, no strip.
+#include "terrain/index_pool.h"
+#include "terrain/lod_method.h"
+#include "terrain/page.h"
+#include "terrain/partition.h"
+#include "terrain/refine.h"
+#include "terrain/terrain_parts.h"
+
+#include "base/clock.h"
+#include "base/log.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// Above the budget the tolerance grows by this; it shrinks again when the count is well below.
+#define RAISE 1.25
+#define RAISE_FAST 4.0
+#define LOWER 1.1
+#define LOWER_BELOW 0.7
+// With more patches than this share of the triangle budget a selection is given up before it costs memory.
+#define TRIANGLES_A_PATCH 512
+// Predicted nanoseconds, to balance partitions: measured on one core at 2.5 GHz, only their ratios matter.
+#define WORK_FILL_VERTEX 30.0
+#define WORK_DECIDE_VERTEX 1.5
+#define WORK_TRIANGLE 5.0
+
+typedef struct IndexList {
+    uint16_t *indices; // NULL: none
+    int32_t index_count;
+    int16_t pool, size_class;
+} IndexList;
+
+typedef struct Node { // of the patch forest: what is kept of a patch between frames
+    Page *page;
+    IndexList list;
+    int32_t vertex_count;
+    uint64_t revision;
+    Vec3d built_eye;
+    double built_nu, validity_m;
+} Node;
+
+typedef struct Selected {
+    PatchTriangle triangle;
+    int32_t node;
+    uint8_t level, template_index;
+    bool stale;
+    uint16_t partition;
+    double turn;
+} Selected;
+
+typedef struct Retired {
+    uint64_t last_frame; // that may read the list
+    IndexList list;
+} Retired;
+
+typedef struct Stale { // a patch to be triangulated in this frame
+    int32_t selected;
+    uint16_t partition;
+    IndexList list;
+    RefineResult result;
+} Stale;
+
+typedef struct Scratch { // of a partition
+    IndexPool pool;
+    uint8_t *active;
+    uint16_t *indices;
+} Scratch;
+
+typedef struct Hybrid {
+    LodOptions options;
+    const Terrain *terrain;
+    PageStore pages;
+    Node *nodes; // [node_count]
+    uint64_t next_revision;
+    double raised_px; // the tolerance that the budget forced in the last frame; 0: none
+    Selected *selected;
+    int32_t selected_count, selected_capacity;
+    Retired *retired; // a queue: [retired_begin, retired_count)
+    int32_t retired_begin, retired_count, retired_capacity;
+    Scratch scratch[LOD_PARTITIONS_MAX];
+} Hybrid;
+
+static bool reserve(void **memory, int32_t *capacity, int32_t count, size_t item_bytes) {
+    if (count <= *capacity)
+        return true;
+    int32_t larger = *capacity * 2 > count ? *capacity * 2 : count + 256;
+    void *grown = realloc(*memory, (size_t)larger * item_bytes);
+    if (!grown)
+        return false;
+    *memory = grown;
+    *capacity = larger;
+    return true;
+}
+
+// Index lists and pages of earlier frames ----------------------------------------------------------------------
+
+static Result retire_list(Hybrid *h, IndexList *list, uint64_t last_frame) {
+    if (!list->indices)
+        return RESULT_OK;
+    if (h->retired_begin > 0 && h->retired_count == h->retired_capacity) {
+        h->retired_count -= h->retired_begin;
+        memmove(h->retired, h->retired + h->retired_begin, sizeof *h->retired * (size_t)h->retired_count);
+        h->retired_begin = 0;
+    }
+    if (!reserve((void **)&h->retired, &h->retired_capacity, h->retired_count + 1, sizeof *h->retired))
+        return RESULT_MEMORY;
+    h->retired[h->retired_count++] = (Retired){last_frame, *list};
+    *list = (IndexList){0};
+    return RESULT_OK;
+}
+
+static void give_back_list(Hybrid *h, const IndexList *list) {
+    index_pool_give_back(&h->scratch[list->pool].pool, list->indices, list->size_class);
+}
+
+static void hybrid_release(void *state, uint64_t frame) {
+    Hybrid *h = state;
+    for (; h->retired_begin < h->retired_count && h->retired[h->retired_begin].last_frame <= frame; h->retired_begin++)
+        give_back_list(h, &h->retired[h->retired_begin].list);
+    if (h->retired_begin == h->retired_count)
+        h->retired_begin = h->retired_count = 0;
+}
+
+// A page goes with its node's triangulation. Both were drawn last in a released frame, so nobody reads them.
+static void evict_pages(Hybrid *h, uint64_t released) {
+    Page *page;
+    while (h->pages.bytes > h->options.page_bytes_max && (page = page_store_oldest(&h->pages, released))) {
+        Node *node = &h->nodes[page->node];
+        if (node->list.indices)
+            give_back_list(h, &node->list);
+        *node = (Node){0};
+        page_store_give_back(&h->pages, page);
+    }
+}
+
+// Selection (4.1) ---------------------------------------------------------------------------------------------
+
+typedef struct Selection {
+    Hybrid *h;
+    RefineView view;
+    const PatchTile *tile;
+    int32_t root_node;   // node number of heap 0 of this root
+    int32_t count_max;
+} Selection;
+
+static Result select_patch(Selection *s, const PatchTriangle *triangle, int32_t heap, int level) {
+    PatchCorner middle = patch_triangle_middle(triangle);
+    if (level < s->tile->levels) {
+        const PatchVertex *vertex = patch_forest_vertex(&s->h->terrain->patches, middle);
+        if (refine_is_active(&s->view, vertex->position, vertex->delta, vertex->radius)) {
+            PatchTriangle first = patch_triangle_half(triangle, middle, 0), second = patch_triangle_half(triangle, middle, 1);
+            Result result = select_patch(s, &first, 2 * heap, level + 1);
+            return result == RESULT_OK ? select_patch(s, &second, 2 * heap + 1, level + 1) : result;
+        }
+    }
+    Hybrid *h = s->h;
+    if (h->selected_count >= s->count_max)
+        return RESULT_BUDGET;
+    if (!reserve((void **)&h->selected, &h->selected_capacity, h->selected_count + 1, sizeof *h->selected))
+        return RESULT_MEMORY;
+    h->selected[h->selected_count++] = (Selected){.triangle = *triangle,
+                                                  .node = s->root_node + heap,
+                                                  .level = (uint8_t)level,
+                                                  .template_index = (uint8_t)s->tile->template_index};
+    return RESULT_OK;
+}
+
+static int32_t patches_max(const Hybrid *h) {
+    int64_t most = h->options.max_triangles / TRIANGLES_A_PATCH;
+    int64_t least = 2 * (int64_t)h->terrain->patches.tile_count; // what the coarsest cut needs
+    most = most > least ? most : least;
+    return most < INT32_MAX ? (int32_t)most : INT32_MAX;
+}
+
+static Result select_patches(Hybrid *h, const RefineView *view) {
+    const PatchForest *forest = &h->terrain->patches;
+    Selection s = {.h = h, .view = *view, .count_max = patches_max(h)};
+    h->selected_count = 0;
+    for (int32_t i = 0; i < forest->tile_count; i++) {
+        s.tile = &forest->tiles[i];
+        for (int root = 0; root < 2; root++) {
+            s.root_node = s.tile->first_node + (root << (s.tile->levels + 1));
+            PatchTriangle triangle = patch_forest_root(&s.tile->tile, root);
+            Result result = select_patch(&s, &triangle, 1, 0);
+            if (result != RESULT_OK)
+                return result;
+        }
+    }
+    return RESULT_OK;
+}
+
+// What is stale (4.3) ------------------------------------------------------------------------------------------
+
+typedef struct Update { // one pass over the selection
+    Hybrid *h;
+    const LodCall *call;
+    RefineView view;
+    Stale *stale;
+    int32_t stale_count;
+    double *turns, *costs;   // [stale]
+    int32_t *order, *begins; // [stale] grouped by partition; [partitions + 1]
+    double borders[LOD_PARTITIONS_MAX];
+    int partitions;
+    bool failed[LOD_PARTITIONS_MAX];
+} Update;
+
+static bool is_valid(const Hybrid *h, const Node *node, const RefineView *view, Vec3d eye) {
+    return h->options.reuse && node->list.indices && node->built_nu == view->nu &&
+           vec3d_distance(eye, node->built_eye) < node->validity_m;
+}
+
+static double predicted_work(const Node *node) {
+    const PatchTemplate *patch = node->page->patch;
+    double fill = node->page->filled ? 0.0 : WORK_FILL_VERTEX * patch->vertex_count;
+    double triangles = node->list.indices ? node->list.index_count / 3.0 : 0.25 * patch->triangle_count;
+    return fill + WORK_DECIDE_VERTEX * patch->vertex_count + WORK_TRIANGLE * triangles;
+}
+
+static Vec3d patch_middle(const Update *u, const Selected *selected) {
+    const Terrain *terrain = u->h->terrain;
+    PatchCorner c = patch_triangle_middle(&selected->triangle);
+    float h = terrain->dem->height_m[(size_t)c.row * (size_t)terrain->dem->width + (size_t)c.col];
+    return grid_ecef(terrain->grid, c.col, c.row, (double)h);
+}
+
+static Result mark_stale(Update *u, const ObserverLine *line) {
+    Hybrid *h = u->h;
+    for (int32_t i = 0; i < h->selected_count; i++) {
+        Selected *selected = &h->selected[i];
+        Node *node = &h->nodes[selected->node];
+        if (u->partitions > 1)
+            selected->turn = partition_turn(line, node->page && node->page->filled ? node->page->centre_ecef : patch_middle(u, selected));
+        if (node->page && is_valid(h, node, &u->view, u->call->view->eye_ecef))
+            continue;
+        selected->stale = true;
+        if (!node->page)
+            node->page = page_store_take(&h->pages, &h->terrain->patches, selected->template_index, selected->node);
+        if (!node->page)
+            return RESULT_MEMORY;
+        page_store_touch(&h->pages, node->page, u->call->number);
+        u->turns[u->stale_count] = selected->turn;
+        u->costs[u->stale_count] = predicted_work(node);
+        u->stale[u->stale_count++] = (Stale){.selected = i};
+    }
+    return RESULT_OK;
+}
+
+// Groups the stale patches by partition, in the order of the selection within each.
+static void group_stale(Update *u) {
+    partition_borders(u->partitions, u->turns, u->costs, u->stale_count, u->order, u->borders);
+    memset(u->begins, 0, sizeof *u->begins * (size_t)(u->partitions + 1));
+    for (int32_t i = 0; i < u->stale_count; i++) {
+        u->stale[i].partition = (uint16_t)partition_of(u->borders, u->partitions, u->turns[i]);
+        u->begins[u->stale[i].partition + 1]++;
+    }
+    int32_t next[LOD_PARTITIONS_MAX];
+    for (int p = 0; p < u->partitions; p++) {
+        u->begins[p + 1] += u->begins[p];
+        next[p] = u->begins[p];
+    }
+    for (int32_t i = 0; i < u->stale_count; i++)
+        u->order[next[u->stale[i].partition]++] = i;
+}
+
+// Triangulation (4.2), by the workers --------------------------------------------------------------------------
+
+static bool triangulate(const Update *u, Stale *stale, int partition) {
+    Hybrid *h = u->h;
+    Scratch *scratch = &h->scratch[partition];
+    const Selected *selected = &h->selected[stale->selected];
+    Page *page = h->nodes[selected->node].page;
+    if (!page->filled)
+        page_fill(page, h->terrain, &selected->triangle);
+    stale->result = refine_page(page, &u->view, scratch->active, scratch->indices);
+    IndexList *list = &stale->list;
+    list->index_count = stale->result.index_count;
+    list->pool = (int16_t)partition;
+    list->size_class = (int16_t)index_pool_class(list->index_count);
+    list->indices = index_pool_take(&scratch->pool, list->size_class);
+    if (!list->indices)
+        return false;
+    memcpy(list->indices, scratch->indices, sizeof(uint16_t) * (size_t)list->index_count);
+    return true;
+}
+
+static void triangulate_partitions(void *user, int64_t begin, int64_t end, int worker) {
+    Update *u = user;
+    (void)worker;
+    for (int p = (int)begin; p < (int)end; p++)
+        for (int32_t k = u->begins[p]; k < u->begins[p + 1] && !u->failed[p]; k++)
+            u->failed[p] = !triangulate(u, &u->stale[u->order[k]], p);
+}
+
+static Result create_scratch(Hybrid *h, int partitions) {
+    const PatchForest *forest = &h->terrain->patches;
+    size_t active = 0, indices = 0;
+    for (int i = 0; i < PATCH_FOREST_TEMPLATES; i++) {
+        if (forest->templates[i].position) { // the last one in use is the largest
+            active = refine_active_bytes(&forest->templates[i]);
+            indices = refine_indices_max(&forest->templates[i]);
+        }
+    }
+    for (int p = 0; p < partitions; p++) {
+        Scratch *scratch = &h->scratch[p];
+        if (!scratch->active)
+            scratch->active = malloc(active);
+        if (!scratch->indices)
+            scratch->indices = malloc(indices * sizeof *scratch->indices);
+        if (!scratch->active || !scratch->indices)
+            return RESULT_MEMORY;
+    }
+    return RESULT_OK;
+}
+
+// The new triangulations take their nodes' places, in the order of the selection.
+static Result adopt(Update *u, LodStats *stats) {
+    Hybrid *h = u->h;
+    Result result = RESULT_OK;
+    for (int32_t i = 0; i < u->stale_count; i++) {
+        Stale *stale = &u->stale[i];
+        Node *node = &h->nodes[h->selected[stale->selected].node];
+        if (result == RESULT_OK)
+            result = retire_list(h, &node->list, u->call->number - 1);
+        if (result != RESULT_OK || !stale->list.indices)
+            continue;
+        node->list = stale->list;
+        node->vertex_count = stale->result.vertex_count;
+        node->revision = ++h->next_revision;
+        node->built_eye = u->call->view->eye_ecef;
+        node->built_nu = u->view.nu;
+        node->validity_m = stale->result.validity_m;
+        stats->triangles_rebuilt += stale->list.index_count / 3;
+        stats->vertices_evaluated += stale->result.evaluated;
+        stats->index_bytes += (int64_t)sizeof(uint16_t) * stale->list.index_count;
+    }
+    for (int p = 0; p < u->partitions; p++)
+        if (u->failed[p])
+            result = RESULT_MEMORY;
+    return result;
+}
+
+static int partition_count(const Hybrid *h, const Jobs *jobs) {
+    if (h->options.partitions)
+        return h->options.partitions;
+    int workers = jobs_worker_count(jobs);
+    return workers == 1 ? 1 : workers < LOD_PARTITIONS_MAX / 2 ? 2 * workers : LOD_PARTITIONS_MAX;
+}
+
+static bool allocate_update(Update *u) {
+    int32_t most = u->h->selected_count;
+    u->stale = arena_new(u->call->frame, Stale, most);
+    u->turns = arena_new(u->call->frame, double, most);
+    u->costs = arena_new(u->call->frame, double, most);
+    u->order = arena_new(u->call->frame, int32_t, most);
+    u->begins = arena_new(u->call->frame, int32_t, u->partitions + 1);
+    return u->stale && u->turns && u->costs && u->order && u->begins;
+}
+
+static Result triangulate_stale(Update *u, LodStats *stats) {
+    if (!allocate_update(u))
+        return RESULT_MEMORY;
+    ObserverLine line = partition_observer_line(u->call->view->eye_ecef, u->call->view->forward_ecef);
+    Result result = create_scratch(u->h, u->partitions);
+    if (result == RESULT_OK)
+        result = mark_stale(u, &line);
+    if (result != RESULT_OK)
+        return result;
+    group_stale(u);
+    jobs_run(u->call->jobs, u->partitions, 1, triangulate_partitions, u);
+    for (int32_t i = 0; u->partitions > 1 && i < u->h->selected_count; i++)
+        u->h->selected[i].partition = (uint16_t)partition_of(u->borders, u->partitions, u->h->selected[i].turn);
+    return adopt(u, stats);
+}
+
+// The cut ------------------------------------------------------------------------------------------------------
+
+static Result refine_at(Hybrid *h, const LodCall *call, double tau_px, LodStats *stats) {
+    *stats = (LodStats){.select_ns = stats->select_ns, .refine_ns = stats->refine_ns};
+    int64_t begin = clock_now_ns();
+    Update u = {.h = h, .call = call, .view = refine_view(call->view, tau_px), .partitions = partition_count(h, call->jobs)};
+    Result result = select_patches(h, &u.view);
+    int64_t selected = clock_now_ns();
+    stats->select_ns += selected - begin;
+    if (result != RESULT_OK)
+        return result;
+    result = triangulate_stale(&u, stats);
+    stats->refine_ns += clock_now_ns() - selected;
+    for (int32_t i = 0; i < h->selected_count && result == RESULT_OK; i++) {
+        const Node *node = &h->nodes[h->selected[i].node];
+        stats->triangles += node->list.index_count / 3;
+        stats->vertices += node->vertex_count;
+        stats->patches_reused += !h->selected[i].stale;
+    }
+    stats->patches = h->selected_count;
+    return result;
+}
+
+// Refines at the tolerance asked for, or, above the budget, at the smallest tried one that keeps it.
+static Result refine_within_budget(Hybrid *h, const LodCall *call, LodCut *cut) {
+    double tau = call->view->tau_px > h->raised_px ? call->view->tau_px : h->raised_px;
+    for (;;) {
+        Result result = refine_at(h, call, tau, &cut->stats);
+        bool gave_up = result == RESULT_BUDGET;
+        if (result != RESULT_OK && !gave_up)
+            return result;
+        bool coarsest = h->selected_count <= 2 * h->terrain->patches.tile_count && tau > 1e12;
+        if (!gave_up && (cut->stats.triangles <= h->options.max_triangles || coarsest))
+            break;
+        tau *= gave_up ? RAISE_FAST : RAISE;
+    }
+    cut->reached_px = tau;
+    bool over = tau > call->view->tau_px;
+    bool roomy = (double)cut->stats.triangles < LOWER_BELOW * (double)h->options.max_triangles;
+    h->raised_px = over ? roomy ? tau / LOWER : tau : 0.0;
+    return over ? RESULT_BUDGET : RESULT_OK;
+}
+
+static LodItem item_of(const Hybrid *h, const Selected *selected) {
+    const Node *node = &h->nodes[selected->node];
+    return (LodItem){
+        .page = &node->page->shown,
+        .revision = node->revision,
+        .indices = node->list.indices,
+        .index_count = node->list.index_count,
+        .level = selected->level,
+        .state = selected->stale ? LOD_ITEM_REBUILT : LOD_ITEM_REUSED,
+        .partition = selected->partition,
+        .centre_ecef = node->page->centre_ecef,
+        .radius_m = node->page->radius_m,
+    };
+}
+
+static Result hybrid_update(void *state, const LodCall *call, LodCut *cut) {
+    Hybrid *h = state;
+    Result result = refine_within_budget(h, call, cut);
+    if (result != RESULT_OK && result != RESULT_BUDGET)
+        return result;
+    LodItem *items = arena_new(call->frame, LodItem, h->selected_count);
+    if (!items)
+        return RESULT_MEMORY;
+    for (int32_t i = 0; i < h->selected_count; i++) {
+        page_store_touch(&h->pages, h->nodes[h->selected[i].node].page, call->number);
+        items[i] = item_of(h, &h->selected[i]);
+    }
+    cut->items = items;
+    cut->item_count = h->selected_count;
+    cut->promises = h->terrain->options.error == TERRAIN_ERROR_TOTAL;
+    evict_pages(h, call->released);
+    return result;
+}
+
+static void hybrid_destroy(void *state) {
+    Hybrid *h = state;
+    page_store_destroy(&h->pages);
+    for (int p = 0; p < LOD_PARTITIONS_MAX; p++) {
+        index_pool_destroy(&h->scratch[p].pool);
+        free(h->scratch[p].active);
+        free(h->scratch[p].indices);
+    }
+    free(h->nodes);
+    free(h->selected);
+    free(h->retired);
+    free(h);
+}
+
+static Result hybrid_create(const LodOptions *options, const Terrain *terrain, void **state) {
+    Hybrid *h = calloc(1, sizeof *h);
+    if (!h)
+        return RESULT_MEMORY;
+    h->options = *options;
+    h->terrain = terrain;
+    h->nodes = calloc((size_t)terrain->patches.node_count, sizeof *h->nodes);
+    if (!h->nodes) {
+        hybrid_destroy(h);
+        return RESULT_MEMORY;
+    }
+    *state = h;
+    return RESULT_OK;
+}
+
+const LodOps LOD_HYBRID_OPS = {
+    .name = "hybrid",
+    .create = hybrid_create,
+    .destroy = hybrid_destroy,
+    .update = hybrid_update,
+    .release = hybrid_release,
+};
