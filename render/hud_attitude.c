@@ -11,6 +11,7 @@
 #define LINE 1.6f // units, width of lines
 #define CIRCLES_FROM_DEG 77 // rungs from here on are whole circles around the zenith, the same seen from any heading
 #define CIRCLE_PIECES 48
+#define OUTSIDE_OPACITY 0.45 // of a flight path marker that stands on the edge
 
 // Ladder parts near the bank scale fade, so that nothing is cut and nothing appears at once.
 static double ladder_opacity(const HudPainter *painter, CanvasPoint at) {
@@ -183,7 +184,7 @@ static void paint_marker_outside(const HudPainter *painter, Vec3d direction, dou
     CanvasPoint at = {(float)(layout->centre.x + direction.x * reach), (float)(layout->centre.y - direction.y * reach)};
     // Straight behind there is no edge to prefer.
     double known = 1.0 - hud_fade(side / vec3d_length(direction), 0.05, 0.25) * (direction.z > 0.0);
-    paint_marker(painter, at, hud_faded(HUD_ACCENT, opacity * known * 0.45));
+    paint_marker(painter, at, hud_faded(HUD_ACCENT, opacity * known * OUTSIDE_OPACITY));
 }
 
 static void paint_flight_path(const HudPainter *painter, const RenderHud *hud) {
@@ -192,10 +193,11 @@ static void paint_flight_path(const HudPainter *painter, const RenderHud *hud) {
     double opacity = isfinite(speed) ? 1.0 - hud_fade(speed, 2.0, 5.0) : 0.0;
     const HudLayout *layout = &painter->layout;
     CanvasPoint at;
-    bool inside = hud_view_project(&painter->view, direction, &at) &&
-                  hypotf(at.x - layout->centre.x, at.y - layout->centre.y) <= 0.86f * layout->radius;
-    if (inside)
-        paint_marker(painter, at, hud_faded(HUD_ACCENT, opacity));
+    bool seen = hud_view_project(&painter->view, direction, &at);
+    float distance = seen ? hypotf(at.x - layout->centre.x, at.y - layout->centre.y) : INFINITY;
+    double dimmed = 1.0 - (1.0 - OUTSIDE_OPACITY) * (1.0 - hud_fade(distance, 0.76 * layout->radius, 0.86 * layout->radius));
+    if (distance <= 0.86f * layout->radius)
+        paint_marker(painter, at, hud_faded(HUD_ACCENT, opacity * dimmed));
     else if (opacity > 0.0)
         paint_marker_outside(painter, direction, opacity);
 }

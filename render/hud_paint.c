@@ -18,6 +18,11 @@ void hud_text(const HudPainter *painter, CanvasPoint baseline, float size_px, Ca
     canvas_text(painter->canvas, &font, baseline, utf8);
 }
 
+float hud_fitting_size(const HudPainter *painter, const char *utf8, float size_px, float width_px) {
+    float width = text_width_px(painter->text, utf8, size_px);
+    return width > width_px ? size_px * width_px / width : size_px;
+}
+
 float hud_baseline(const HudPainter *painter, float middle_y, float size_px) {
     return roundf(middle_y + text_cap_height(painter->text) * size_px * 0.5f);
 }

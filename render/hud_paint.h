@@ -39,6 +39,8 @@ double hud_fade(double value, double from, double to);
 // `baseline`: as for canvas_text.
 void hud_text(const HudPainter *painter, CanvasPoint baseline, float size_px, CanvasAlign align, CanvasColour colour,
               const char *utf8);
+// `size_px`, or less where the text would be wider than `width_px`.
+float hud_fitting_size(const HudPainter *painter, const char *utf8, float size_px, float width_px);
 // The baseline that centres capitals and digits of this size on `middle_y`, on a whole pixel.
 float hud_baseline(const HudPainter *painter, float middle_y, float size_px);
 

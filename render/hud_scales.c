@@ -17,7 +17,8 @@ static float middle_of(float a, float b) {
 }
 
 static void paint_readout(const HudPainter *painter, CanvasRect box, const char *value, CanvasColour colour) {
-    float u = painter->layout.unit, size = roundf(painter->layout.text_px * 1.12f);
+    float u = painter->layout.unit, room = box.x1 - box.x0 - 8.0f * u;
+    float size = hud_fitting_size(painter, value, roundf(painter->layout.text_px * 1.12f), room);
     canvas_box(painter->canvas, box, 4.0f * u, HUD_PLATE_DENSE);
     canvas_frame(painter->canvas, box, 4.0f * u, 1.2f * u, hud_faded(colour, 0.75));
     CanvasPoint at = {middle_of(box.x0, box.x1), hud_baseline(painter, middle_of(box.y0, box.y1), size)};
@@ -108,12 +109,19 @@ static void paint_scale(const HudPainter *painter, const Scale *scale) {
     }
 }
 
-static void paint_line(const HudPainter *painter, CanvasRect box, int line, CanvasAlign align, CanvasColour colour,
-                       const char *text) {
+// A line of text by a scale: a name on the left, what it is on the right; either may be empty.
+typedef struct Note {
+    const char *name, *value;
+    CanvasColour colour; // of the value
+} Note;
+
+static void paint_note(const HudPainter *painter, CanvasRect box, int line, const Note *note) {
     float size = painter->layout.small_px, height = 20.0f * painter->layout.unit;
-    float x = align == CANVAS_LEFT ? box.x0 : align == CANVAS_RIGHT ? box.x1 : middle_of(box.x0, box.x1);
+    float room = box.x1 - box.x0 - text_width_px(painter->text, note->name, size) - 0.4f * size;
+    float value_size = hud_fitting_size(painter, note->value, size, room);
     float y = hud_baseline(painter, box.y0 + height * ((float)line + 0.5f), size);
-    hud_text(painter, (CanvasPoint){x, y}, size, align, colour, text);
+    hud_text(painter, (CanvasPoint){box.x0, y}, size, CANVAS_LEFT, HUD_DIM, note->name);
+    hud_text(painter, (CanvasPoint){box.x1, y}, value_size, CANVAS_RIGHT, note->colour, note->value);
 }
 
 static void paint_throttle(const HudPainter *painter, double throttle) {
@@ -122,8 +130,7 @@ static void paint_throttle(const HudPainter *painter, double throttle) {
     char text[HUD_NUMBER_BYTES + 4], number[HUD_NUMBER_BYTES];
     hud_format_fixed(number, throttle * 100.0, 0);
     snprintf(text, sizeof text, "%s %%", number);
-    paint_line(painter, layout->speed_notes, 0, CANVAS_LEFT, HUD_DIM, "THR");
-    paint_line(painter, layout->speed_notes, 0, CANVAS_RIGHT, HUD_INK, text);
+    paint_note(painter, layout->speed_notes, 0, &(Note){"THR", text, HUD_INK});
     CanvasRect bar = {layout->speed_notes.x0, layout->speed_notes.y0 + 24.0f * u, layout->speed_notes.x1,
                       layout->speed_notes.y0 + 29.0f * u};
     canvas_box(painter->canvas, bar, 2.0f * u, HUD_PLATE_DENSE);
@@ -139,7 +146,7 @@ static void paint_speed(const HudPainter *painter, const RenderHud *hud) {
     char value[HUD_NUMBER_BYTES];
     hud_format_fixed(value, speed, 0);
     paint_readout(painter, layout->speed_box, value, HUD_INK);
-    paint_line(painter, layout->speed_title, 0, CANVAS_RIGHT, HUD_DIM, "km/h");
+    paint_note(painter, layout->speed_title, 0, &(Note){"", "km/h", HUD_DIM});
     paint_throttle(painter, hud->throttle);
 }
 
@@ -149,12 +156,10 @@ static void paint_altitude_notes(const HudPainter *painter, const RenderHud *hud
     hud_format_fixed(number, hud->over_terrain ? hud->above_ground_m : (double)NAN, 0);
     snprintf(text, sizeof text, hud->over_terrain ? "%s m" : "%s", number);
     bool low = hud->over_terrain && hud->above_ground_m < 50.0;
-    paint_line(painter, layout->altitude_notes, 0, CANVAS_LEFT, HUD_DIM, "AGL");
-    paint_line(painter, layout->altitude_notes, 0, CANVAS_RIGHT, low ? HUD_WARN : HUD_INK, text);
+    paint_note(painter, layout->altitude_notes, 0, &(Note){"AGL", text, low ? HUD_WARN : HUD_INK});
     hud_format_signed(number, hud->vertical_speed_m_s, 1);
     snprintf(text, sizeof text, "%s m/s", number);
-    paint_line(painter, layout->altitude_notes, 1, CANVAS_LEFT, HUD_DIM, "V/S");
-    paint_line(painter, layout->altitude_notes, 1, CANVAS_RIGHT, HUD_INK, text);
+    paint_note(painter, layout->altitude_notes, 1, &(Note){"V/S", text, HUD_INK});
 }
 
 static void paint_altitude(const HudPainter *painter, const RenderHud *hud) {
@@ -165,7 +170,7 @@ static void paint_altitude(const HudPainter *painter, const RenderHud *hud) {
     hud_format_fixed(value, hud->altitude_m, 0);
     paint_readout(painter, layout->altitude_box, value, HUD_INK);
     snprintf(title, sizeof title, "m %s", hud->datum ? hud->datum : "");
-    paint_line(painter, layout->altitude_title, 0, CANVAS_LEFT, HUD_DIM, title);
+    paint_note(painter, layout->altitude_title, 0, &(Note){title, "", HUD_DIM});
     paint_altitude_notes(painter, hud);
 }
 

@@ -1,0 +1,581 @@
+// The head-up display as it is painted, before any GL: no overlap, true directions, continuity, no allocation.
+#define _GNU_SOURCE
+#include <fenv.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "base/paths.h"
+#include "render/hud_paint.h"
+#include "terrain/geodesy.h"
+
+#define RAD (3.14159265358979323846 / 180.0)
+
+// Counts allocations of the code under test: the linker puts these before malloc and friends.
+static long allocations;
+void *__real_malloc(size_t size);
+void *__real_calloc(size_t count, size_t size);
+void *__real_realloc(void *old, size_t size);
+void *__wrap_malloc(size_t size);
+void *__wrap_calloc(size_t count, size_t size);
+void *__wrap_realloc(void *old, size_t size);
+void *__wrap_malloc(size_t size) {
+    allocations++;
+    return __real_malloc(size);
+}
+void *__wrap_calloc(size_t count, size_t size) {
+    allocations++;
+    return __real_calloc(count, size);
+}
+void *__wrap_realloc(void *old, size_t size) {
+    allocations++;
+    return __real_realloc(old, size);
+}
+
+typedef struct Bench {
+    Text *text;
+    Canvas *canvas;
+} Bench;
+
+static int set_up(void **state) {
+    static Bench bench;
+    char path[PATHS_BYTES_MAX];
+    if (paths_find_data("fonts/DejaVuSans.ttf", path) != RESULT_OK || text_create(path, &bench.text) != RESULT_OK ||
+        canvas_create(&bench.canvas) != RESULT_OK)
+        return 1;
+    feenableexcept(FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW);
+    *state = &bench;
+    return 0;
+}
+
+static int tear_down(void **state) {
+    Bench *bench = *state;
+    fedisableexcept(FE_ALL_EXCEPT);
+    canvas_destroy(&bench->canvas);
+    text_destroy(&bench->text);
+    return 0;
+}
+
+// ---- an attitude, independent of the code under test ----
+
+typedef struct Place {
+    double lat, lon, h;
+} Place;
+
+static Vec3d place_ecef(Place p) {
+    double e2 = 0.0066943799901413165, n = 6378137.0 / sqrt(1.0 - e2 * sin(p.lat) * sin(p.lat));
+    return (Vec3d){(n + p.h) * cos(p.lat) * cos(p.lon), (n + p.h) * cos(p.lat) * sin(p.lon),
+                   (n * (1.0 - e2) + p.h) * sin(p.lat)};
+}
+
+static Vec3d place_up(Place p) {
+    return (Vec3d){cos(p.lat) * cos(p.lon), cos(p.lat) * sin(p.lon), sin(p.lat)};
+}
+
+// Forward, right and up of the aircraft in ECEF after turning by heading, pitch and bank.
+typedef struct Axes {
+    Vec3d forward, right, up;
+} Axes;
+
+static Axes axes_turn(Place p, double heading, double pitch, double bank) {
+    Vec3d up = place_up(p), east = {-sin(p.lon), cos(p.lon), 0.0};
+    Vec3d north = {-sin(p.lat) * cos(p.lon), -sin(p.lat) * sin(p.lon), cos(p.lat)};
+    Vec3d level = vec3d_mad(vec3d_scale(north, cos(heading)), east, sin(heading));
+    Vec3d side = vec3d_mad(vec3d_scale(east, cos(heading)), north, -sin(heading));
+    Vec3d forward = vec3d_mad(vec3d_scale(level, cos(pitch)), up, sin(pitch));
+    Vec3d top = vec3d_mad(vec3d_scale(up, cos(pitch)), level, -sin(pitch));
+    return (Axes){forward, vec3d_mad(vec3d_scale(side, cos(bank)), top, -sin(bank)),
+                  vec3d_mad(vec3d_scale(top, cos(bank)), side, sin(bank))};
+}
+
+static RenderPacket packet_make(Place p, Axes axes, double fov) {
+    RenderPacket packet;
+    memset(&packet, 0, sizeof packet);
+    Vec3d f = axes.forward, r = axes.right, u = axes.up;
+    packet.camera = (RenderCamera){place_ecef(p), {{{r.x, r.y, r.z}, {u.x, u.y, u.z}, {-f.x, -f.y, -f.z}}}, fov};
+    packet.cut.view.tau_px = packet.cut.reached_px = 1.0;
+    Vec3d up = place_up(p), east = {-sin(p.lon), cos(p.lon), 0.0}, north = vec3d_cross(up, east);
+    packet.hud = (RenderHud){.show_flight = true,
+                             .heading_rad = atan2(vec3d_dot(f, east), vec3d_dot(f, north)),
+                             .pitch_rad = asin(fmin(fmax(vec3d_dot(f, up), -1.0), 1.0)),
+                             .bank_rad = atan2(-vec3d_dot(r, up), vec3d_dot(u, up)),
+                             .speed_m_s = 70.0,
+                             .altitude_m = 1500.0,
+                             .above_ground_m = 700.0,
+                             .throttle = 0.5,
+                             .velocity_ecef = vec3d_scale(f, 70.0),
+                             .over_terrain = true,
+                             .datum = "EGM96",
+                             .method = "hybrid"};
+    return packet;
+}
+
+// ---- layout ----
+
+typedef struct NamedRect {
+    const char *name;
+    CanvasRect rect;
+} NamedRect;
+
+static bool rects_overlap(CanvasRect a, CanvasRect b) {
+    return a.x0 < b.x1 && b.x0 < a.x1 && a.y0 < b.y1 && b.y0 < a.y1;
+}
+
+static int list_rects(const HudLayout *l, NamedRect out[16]) {
+    const NamedRect all[] = {
+        {"heading", l->heading},       {"speed title", l->speed_title},
+        {"speed notes", l->speed_notes}, {"altitude title", l->altitude_title},
+        {"altitude notes", l->altitude_notes}, {"note", l->note},
+        {"message", l->message},       {"panel", l->panel},
+        {"speed", l->speed_scale.y1 > l->speed_scale.y0 ? l->speed_scale : l->speed_box},
+        {"altitude", l->altitude_scale.y1 > l->altitude_scale.y0 ? l->altitude_scale : l->altitude_box},
+    };
+    memcpy(out, all, sizeof all);
+    return (int)COUNT_OF(all);
+}
+
+// Distance from the centre to the nearest point of a rectangle.
+static float rect_distance(CanvasPoint c, CanvasRect r) {
+    float x = fmaxf(fmaxf(r.x0 - c.x, c.x - r.x1), 0.0f), y = fmaxf(fmaxf(r.y0 - c.y, c.y - r.y1), 0.0f);
+    return hypotf(x, y);
+}
+
+static int count_layout_faults(int width, int height, bool numbers) {
+    HudLayout layout = hud_layout_make(width, height, numbers);
+    NamedRect rects[16];
+    int count = list_rects(&layout, rects), faults = 0;
+    for (int i = 0; i < count; i++) {
+        CanvasRect r = rects[i].rect;
+        bool outside = r.x0 < 0 || r.y0 < 0 || r.x1 > (float)width || r.y1 > (float)height || r.x1 < r.x0 || r.y1 < r.y0;
+        bool empty = r.x0 == r.x1;
+        bool in_circle = !empty && rect_distance(layout.centre, r) < layout.radius + 11.0f * layout.unit;
+        for (int j = 0; j < i; j++)
+            if (!empty && rects_overlap(r, rects[j].rect) && ++faults)
+                print_error("%dx%d: %s over %s\n", width, height, rects[i].name, rects[j].name);
+        if ((outside || in_circle) && ++faults)
+            print_error("%dx%d: %s %s (%.0f %.0f %.0f %.0f)\n", width, height, rects[i].name,
+                        outside ? "leaves the window" : "lies in the circle", (double)r.x0, (double)r.y0, (double)r.x1,
+                        (double)r.y1);
+    }
+    if (layout.radius < 60.0f && ++faults)
+        print_error("%dx%d: a circle of %.0f pixels\n", width, height, (double)layout.radius);
+    return faults;
+}
+
+static void parts_do_not_overlap_at_any_size(void **state) {
+    (void)state;
+    int faults = 0, sizes = 0;
+    for (int width = 640; width <= 4096; width += 32)
+        for (int height = 400; height <= 2400; height += 16, sizes++)
+            for (int numbers = 0; numbers < 2 && faults < 40; numbers++)
+                faults += count_layout_faults(width, height, numbers);
+    print_message("%d sizes: expected 0 faults, found %d\n", sizes, faults);
+    assert_int_equal(faults, 0);
+}
+
+static const RenderHelpRow HELP[] = {
+    {"PgUp", "more throttle"}, {"PgDn", "less throttle"}, {"Up", "nose down"},        {"Down", "nose up"},
+    {"Enter", "rudder right"}, {"0", "rudder left"},      {"Esc", "leave"},           {"F1", "help on and off"},
+    {"F3", "write a picture"}, {"t", "smaller error"},    {"T", "larger error"},      {"m", "next level-of-detail method"},
+    {"w", "edges on and off"}, {"Home", "to the start"},  {"p", "pause"},             {"x", "narrower field of view"},
+    {"a", "time runs faster"}, {"h", "display on, off"},  {"X", "wider field of view"}, {"v", "next view"},
+    {"l", "next colouring: land, level, cache, partition"},
+};
+
+// Values as wide as they get.
+static RenderPacket extreme_packet(void) {
+    Place place = {0.6, -1.4, 12000.0};
+    RenderPacket packet = packet_make(place, axes_turn(place, 3.0, 0.05, 0.1), 60.0 * RAD);
+    packet.hud.show_numbers = true;
+    packet.hud.speed_m_s = 9876.5;
+    packet.hud.altitude_m = 987654321.0;
+    packet.hud.above_ground_m = 98765432.0;
+    packet.hud.vertical_speed_m_s = -9876.5;
+    packet.hud.frame_ms = packet.hud.frame_p99_ms = 12345.6;
+    packet.hud.datum = "ellipsoid";
+    packet.hud.crashed = true;
+    packet.hud.help = HELP;
+    packet.hud.help_count = COUNT_OF(HELP);
+    packet.hud.message = "a message that is far longer than any window of this program is ever likely to be wide, so that "
+                         "something has to be left out of it at the end, which is shown by three dots as it should be; "
+                         "and still it goes on and on, for the sake of the widest of all screens, with \xCF\x84 and \xC3\xA9";
+    packet.cut.view.tau_px = 999.99;
+    packet.cut.reached_px = 1000.5;
+    packet.cut.stats = (LodStats){.triangles = 40000000, .patches = 1234567, .patches_reused = 1234567,
+                                  .triangles_rebuilt = 40000000, .refine_ns = 12345678901};
+    return packet;
+}
+
+// Where the ink of a glyph can be: its field less the spread around it.
+static CanvasRect glyph_ink(const CanvasShape *glyph) {
+    float s = glyph->spread;
+    return (CanvasRect){glyph->a[0] + s, glyph->a[1] + s, glyph->a[2] - s, glyph->a[3] - s};
+}
+
+static int count_text_faults(const Canvas *canvas, int width, int height) {
+    const CanvasShape *shapes;
+    int count = canvas_over(canvas, &shapes), faults = 0;
+    for (int i = 0; i < count; i++) {
+        if (shapes[i].kind != CANVAS_GLYPH)
+            continue;
+        CanvasRect ink = glyph_ink(&shapes[i]);
+        faults += ink.x0 < 0.0f || ink.y0 < 0.0f || ink.x1 > (float)width || ink.y1 > (float)height;
+        for (int j = 0; j < i; j++) {
+            CanvasRect other = glyph_ink(&shapes[j]);
+            // Neighbours in a word may touch, and fields are rounded to whole samples.
+            float slack = 0.8f + 0.2f * shapes[j].spread;
+            other.x1 -= slack, other.y1 -= slack, other.x0 += slack, other.y0 += slack;
+            faults += shapes[j].kind == CANVAS_GLYPH && rects_overlap(ink, other);
+        }
+    }
+    return faults;
+}
+
+static void text_stays_inside_and_apart_at_its_widest(void **state) {
+    Bench *bench = *state;
+    RenderStats previous = {.upload_bytes = 999949999, .vram_bytes = 99994999999, .upload_ms = 1234.5, .draw_ms = 1234.5, .software = true};
+    int faults = 0;
+    const int SIZES[][2] = {{640, 400}, {640, 480}, {640, 1200}, {800, 400}, {800, 600}, {921, 576}, {1024, 768}, {1280, 720},
+                            {1280, 800}, {1366, 768}, {1920, 1080}, {2560, 1080}, {3840, 2160}, {4096, 500}};
+    for (size_t i = 0; i < COUNT_OF(SIZES); i++)
+        for (int help = 0; help < 2; help++) {
+            RenderPacket packet = extreme_packet();
+            packet.hud.show_help = help;
+            hud_paint(bench->canvas, bench->text, &packet, &previous, SIZES[i][0], SIZES[i][1]);
+            int found = count_text_faults(bench->canvas, SIZES[i][0], SIZES[i][1]);
+            if (found)
+                print_error("%dx%d, help %d: %d glyphs outside or over others\n", SIZES[i][0], SIZES[i][1], help, found);
+            faults += found;
+        }
+    assert_int_equal(faults, 0);
+}
+
+// ---- directions ----
+
+// Degrees above the horizon of the pixel's direction, in long double from the packet's camera.
+static long double pixel_elevation(const RenderCamera *camera, Place place, int width, int height, double x, double y) {
+    long double focal = height * 0.5L / tanl((long double)camera->fov_y_rad * 0.5L);
+    long double c[3] = {(x - width * 0.5L) / focal, (height * 0.5L - y) / focal, -1.0L}, world[3];
+    for (int i = 0; i < 3; i++)
+        world[i] = c[0] * camera->camera_from_ecef.m[0][i] + c[1] * camera->camera_from_ecef.m[1][i] +
+                   c[2] * camera->camera_from_ecef.m[2][i];
+    Vec3d up = place_up(place);
+    long double length = sqrtl(world[0] * world[0] + world[1] * world[1] + world[2] * world[2]);
+    return asinl((world[0] * up.x + world[1] * up.y + world[2] * up.z) / length) / (long double)RAD;
+}
+
+static bool is_colour(const CanvasShape *shape, CanvasColour colour) {
+    return abs(shape->rgba[0] - (int)(colour.r * 255.0f + 0.5f)) < 2 &&
+           abs(shape->rgba[1] - (int)(colour.g * 255.0f + 0.5f)) < 2 &&
+           abs(shape->rgba[2] - (int)(colour.b * 255.0f + 0.5f)) < 2;
+}
+
+// True when the horizon passes within half a pixel of the point: half a pixel to both sides of the drawn line lie on
+// different sides of it.
+static bool near_horizon(const RenderPacket *packet, Place place, int width, int height, const float *line, float x, float y) {
+    double along_x = line[2] - line[0], along_y = line[3] - line[1], length = hypot(along_x, along_y);
+    double nx = -along_y / length * 0.5, ny = along_x / length * 0.5;
+    long double a = pixel_elevation(&packet->camera, place, width, height, x + nx, y + ny);
+    long double b = pixel_elevation(&packet->camera, place, width, height, x - nx, y - ny);
+    if (a * b > 0.0L)
+        print_error("at %.2f %.2f: elevations %.5Lf and %.5Lf degrees\n", (double)x, (double)y, a, b);
+    return a * b <= 0.0L;
+}
+
+static int horizon_lines_checked(Bench *bench, const RenderPacket *packet, Place place, int width, int height) {
+    HudPainter painter = {bench->canvas, bench->text, hud_layout_make(width, height, true),
+                          hud_view_make(&packet->camera, width, height)};
+    canvas_begin(bench->canvas, 1.0f);
+    hud_paint_attitude(&painter, packet);
+    const CanvasShape *shapes;
+    int count = canvas_over(bench->canvas, &shapes), checked = 0;
+    for (int i = 0; i < count; i++) {
+        const float *line = shapes[i].a;
+        bool horizon = shapes[i].kind == CANVAS_LINE && is_colour(&shapes[i], HUD_ACCENT) &&
+                       hypotf(line[2] - line[0], line[3] - line[1]) > 20.0f * painter.layout.unit;
+        if (!horizon)
+            continue;
+        assert_true(near_horizon(packet, place, width, height, line, line[0], line[1]));
+        assert_true(near_horizon(packet, place, width, height, line, line[2], line[3]));
+        checked++;
+    }
+    return checked;
+}
+
+static double random_between(uint64_t *seed, double low, double high) {
+    *seed = *seed * 6364136223846793005u + 1442695040888963407u;
+    return low + (high - low) * (double)(*seed >> 11) / 9007199254740992.0;
+}
+
+static void horizon_is_within_half_a_pixel(void **state) {
+    Bench *bench = *state;
+    const uint64_t first_seed = 20260101;
+    uint64_t seed = first_seed;
+    int checked = 0;
+    const int SIZES[][2] = {{640, 400}, {1280, 800}, {3840, 2160}};
+    for (int i = 0; i < 3000; i++) {
+        Place place = {random_between(&seed, -1.57, 1.57), random_between(&seed, -3.2, 3.2), random_between(&seed, -400, 20000)};
+        Axes axes = axes_turn(place, random_between(&seed, 0, 6.3), random_between(&seed, -0.6, 0.6), random_between(&seed, -3.2, 3.2));
+        RenderPacket packet = packet_make(place, axes, random_between(&seed, 5, 150) * RAD);
+        checked += horizon_lines_checked(bench, &packet, place, SIZES[i % 3][0], SIZES[i % 3][1]);
+    }
+    print_message("seed %llu: %d halves of horizon lines checked\n", (unsigned long long)first_seed, checked);
+    assert_true(checked > 1500);
+}
+
+// The true place of a direction, in long double.
+static void true_pixel(const RenderCamera *camera, Vec3d direction, int width, int height, long double out[2]) {
+    long double d[3] = {direction.x, direction.y, direction.z}, c[3];
+    for (int i = 0; i < 3; i++)
+        c[i] = camera->camera_from_ecef.m[i][0] * d[0] + camera->camera_from_ecef.m[i][1] * d[1] + camera->camera_from_ecef.m[i][2] * d[2];
+    long double scale = height / (2.0L * tanl((long double)camera->fov_y_rad / 2.0L));
+    out[0] = width / 2.0L + scale * c[0] / -c[2];
+    out[1] = height / 2.0L - scale * c[1] / -c[2];
+}
+
+// The middle of the marker's ring: the only accent-coloured outline.
+static bool find_marker(const Canvas *canvas, double *x, double *y) {
+    const CanvasShape *shapes;
+    int count = canvas_over(canvas, &shapes);
+    for (int i = 0; i < count; i++)
+        if (shapes[i].kind == CANVAS_BOX && is_colour(&shapes[i], HUD_ACCENT)) {
+            *x = (double)(shapes[i].a[0] + shapes[i].a[2]) * 0.5;
+            *y = (double)(shapes[i].a[1] + shapes[i].a[3]) * 0.5;
+            return true;
+        }
+    return false;
+}
+
+static void flight_path_marker_is_within_half_a_pixel(void **state) {
+    Bench *bench = *state;
+    const uint64_t first_seed = 77;
+    uint64_t seed = first_seed;
+    double worst = 0.0;
+    int checked = 0;
+    for (int i = 0; i < 3000; i++) {
+        Place place = {random_between(&seed, -1.57, 1.57), random_between(&seed, -3.2, 3.2), random_between(&seed, -400, 20000)};
+        Axes axes = axes_turn(place, random_between(&seed, 0, 6.3), random_between(&seed, -1.57, 1.57), random_between(&seed, -3.2, 3.2));
+        RenderPacket packet = packet_make(place, axes, random_between(&seed, 20, 150) * RAD);
+        Vec3d drift = vec3d_mad(vec3d_scale(axes.right, random_between(&seed, -6, 6)), axes.up, random_between(&seed, -6, 6));
+        packet.hud.velocity_ecef = vec3d_mad(drift, axes.forward, random_between(&seed, 60, 300));
+        hud_paint(bench->canvas, bench->text, &packet, NULL, 1280, 800);
+        long double expected[2];
+        true_pixel(&packet.camera, packet.hud.velocity_ecef, 1280, 800, expected);
+        if (hypotl(expected[0] - 640.0L, expected[1] - 400.0L) > 180.0L)
+            continue; // beyond the circle it stands on the edge, dimmed
+        double x, y;
+        assert_true(find_marker(bench->canvas, &x, &y));
+        worst = fmax(worst, (double)hypotl(x - expected[0], y - expected[1]));
+        checked++;
+    }
+    print_message("seed %llu: %d markers; expected within 0.5 px, found %.6f px\n", (unsigned long long)first_seed, checked, worst);
+    assert_true(checked > 1000);
+    assert_true(worst < 0.5);
+}
+
+static void marker_hides_at_rest_and_stays_finite_behind(void **state) {
+    Bench *bench = *state;
+    Place place = {0.5, 0.5, 1000.0};
+    Axes axes = axes_turn(place, 1.0, 0.1, 0.0);
+    RenderPacket packet = packet_make(place, axes, 60.0 * RAD);
+    double x, y;
+    packet.hud.velocity_ecef = (Vec3d){0.0, 0.0, 0.0};
+    hud_paint(bench->canvas, bench->text, &packet, NULL, 1280, 800);
+    assert_false(find_marker(bench->canvas, &x, &y));
+    packet.hud.velocity_ecef = vec3d_scale(axes.forward, -70.0);
+    hud_paint(bench->canvas, bench->text, &packet, NULL, 1280, 800);
+    packet.hud.velocity_ecef = vec3d_mad(vec3d_scale(axes.forward, -70.0), axes.right, 60.0);
+    hud_paint(bench->canvas, bench->text, &packet, NULL, 1280, 800);
+    assert_true(find_marker(bench->canvas, &x, &y));
+    print_message("a path behind and to the right: marker at %.1f, right of 640\n", x);
+    assert_true(x > 640.0 && x < 1280.0);
+}
+
+// ---- continuity ----
+
+#define CELL_PX 32
+#define CELLS_X (1280 / CELL_PX + 2)
+#define CELLS_Y (800 / CELL_PX + 2)
+typedef struct Ink {
+    float cells[CELLS_Y][CELLS_X];
+} Ink;
+
+static void drop_ink(Ink *ink, float x, float y, float amount) {
+    float column = x / CELL_PX, row = y / CELL_PX;
+    if (!(column >= 0.0f && row >= 0.0f && column < CELLS_X - 1 && row < CELLS_Y - 1))
+        return;
+    int i = (int)column, j = (int)row;
+    float u = column - (float)i, v = row - (float)j;
+    ink->cells[j][i] += amount * (1 - u) * (1 - v);
+    ink->cells[j][i + 1] += amount * u * (1 - v);
+    ink->cells[j + 1][i] += amount * (1 - u) * v;
+    ink->cells[j + 1][i + 1] += amount * u * v;
+}
+
+// Where the picture has how much ink, blurred so that small movements change it little.
+static Ink ink_of(const Canvas *canvas, bool with_text) {
+    Ink ink;
+    memset(&ink, 0, sizeof ink);
+    const CanvasShape *shapes;
+    int count = canvas_over(canvas, &shapes);
+    for (int i = 0; i < count; i++) {
+        const float *a = shapes[i].a;
+        float opacity = (float)shapes[i].rgba[3] / 255.0f, length = hypotf(a[2] - a[0], a[3] - a[1]);
+        if (shapes[i].kind == CANVAS_GLYPH && !with_text)
+            continue;
+        for (int piece = 0; piece < 8; piece++) {
+            float t = ((float)piece + 0.5f) / 8.0f;
+            drop_ink(&ink, a[0] + (a[2] - a[0]) * t, a[1] + (a[3] - a[1]) * t, opacity * length / 8.0f);
+        }
+    }
+    return ink;
+}
+
+static double ink_change(const Ink *a, const Ink *b) {
+    double sum = 0.0;
+    for (int j = 0; j < CELLS_Y; j++)
+        for (int i = 0; i < CELLS_X; i++)
+            sum += fabs((double)(a->cells[j][i] - b->cells[j][i]));
+    return sum;
+}
+
+// A manoeuvre: the aircraft turns once around an axis fixed in its own frame (x forward, y right, z down), from an attitude.
+typedef struct Manoeuvre {
+    const char *name;
+    double pitch, bank; // at the start, degrees
+    Vec3d axis;
+} Manoeuvre;
+
+static Axes turn_about(Axes from, Vec3d body_axis, double angle) {
+    Vec3d k = vec3d_normalize(vec3d_add(vec3d_mad(vec3d_scale(from.forward, body_axis.x), from.right, body_axis.y),
+                                        vec3d_scale(from.up, -body_axis.z)));
+    Quatd q = quatd_from_axis_angle(k, -angle);
+    return (Axes){quatd_rotate(q, from.forward), quatd_rotate(q, from.right), quatd_rotate(q, from.up)};
+}
+
+typedef void PaintPart(const HudPainter *painter, const RenderPacket *packet);
+
+static void paint_scales_only(const HudPainter *painter, const RenderPacket *packet) {
+    hud_paint_scales(painter, &packet->hud);
+}
+
+static double worst_change(Bench *bench, const Manoeuvre *m, PaintPart *paint, bool with_text, int steps) {
+    Place place = {0.7, 0.3, 3000.0};
+    Axes start = axes_turn(place, 0.4, m->pitch * RAD, m->bank * RAD);
+    Ink before;
+    double worst = 0.0;
+    for (int i = 0; i <= steps; i++) {
+        Axes axes = turn_about(start, m->axis, 2.0 * 180.0 * RAD * i / steps);
+        RenderPacket packet = packet_make(place, axes, 60.0 * RAD);
+        packet.hud.velocity_ecef = vec3d_mad(vec3d_scale(axes.forward, 70.0), axes.up, -5.0);
+        HudPainter painter = {bench->canvas, bench->text, hud_layout_make(1280, 800, true),
+                              hud_view_make(&packet.camera, 1280, 800)};
+        canvas_begin(bench->canvas, 1.0f);
+        paint(&painter, &packet);
+        Ink now = ink_of(bench->canvas, with_text);
+        if (i > 0)
+            worst = fmax(worst, ink_change(&before, &now));
+        before = now;
+    }
+    return worst;
+}
+
+// Steps half as large change a continuous picture about half as much at most; a jump stays as large as it was.
+static void picture_is_continuous_through_loops_and_rolls(void **state) {
+    Bench *bench = *state;
+    const Manoeuvre MANOEUVRES[] = {
+        {"loop", 0, 0, {0, 1, 0}},
+        {"loop, a degree beside the zenith", 0, 1, {0, 1, 0}},
+        {"loop, four degrees beside the zenith", 0, 4, {0, 1, 0}},
+        {"loop, banked", 0, 30, {0, 1, 0}},
+        {"loop on one wing", 0, 90, {0, 0, 1}},
+        {"roll", 0, 0, {1, 0, 0}},
+        {"roll, climbing at 60 degrees", 60, 0, {1, 0, 0}},
+        {"roll, climbing at 90 degrees", 90, 0, {1, 0, 0}},
+        {"roll, diving at 88 degrees", -88, 0, {1, 0, 0}},
+        {"tumble", 10, 20, {0.4, 1, 0.3}},
+    };
+    int faults = 0;
+    for (size_t i = 0; i < COUNT_OF(MANOEUVRES); i++)
+        for (int part = 0; part < 2; part++) {
+            PaintPart *paint = part == 0 ? hud_paint_attitude : paint_scales_only;
+            double coarse = worst_change(bench, &MANOEUVRES[i], paint, part == 0, 3600);
+            double fine = worst_change(bench, &MANOEUVRES[i], paint, part == 0, 7200);
+            print_message("%-40s %-9s 0.1 deg: %8.3f px of ink, 0.05 deg: %8.3f\n", MANOEUVRES[i].name,
+                          part == 0 ? "attitude" : "scales", coarse, fine);
+            faults += fine > 0.75 * coarse + 1.5;
+        }
+    assert_int_equal(faults, 0);
+}
+
+// ---- numbers ----
+
+static void numbers_are_written_for_people(void **state) {
+    (void)state;
+    char text[HUD_NUMBER_BYTES];
+    const char *unit;
+    hud_format_fixed(text, 1234567.0, 0);
+    assert_string_equal(text, "1\xE2\x80\x89" "234\xE2\x80\x89" "567");
+    hud_format_fixed(text, -0.04, 1);
+    assert_string_equal(text, "0.0");
+    hud_format_fixed(text, -999.96, 1);
+    assert_string_equal(text, "\xE2\x88\x92" "1\xE2\x80\x89" "000.0");
+    hud_format_signed(text, 2.34, 1);
+    assert_string_equal(text, "+2.3");
+    hud_format_fixed(text, (double)INFINITY, 1);
+    assert_string_equal(text, "---");
+    hud_format_heading(text, 0.001);
+    assert_string_equal(text, "360");
+    hud_format_heading(text, -90.0 * RAD);
+    assert_string_equal(text, "270");
+    hud_format_heading(text, 359.6 * RAD);
+    assert_string_equal(text, "360");
+    hud_format_bytes(text, 999.0, &unit);
+    assert_string_equal(text, "999");
+    assert_string_equal(unit, "B");
+    hud_format_bytes(text, 45678901.0, &unit);
+    assert_string_equal(text, "45.7");
+    assert_string_equal(unit, "MB");
+}
+
+static void painting_allocates_nothing_after_warm_up(void **state) {
+    Bench *bench = *state;
+    Place place = {0.7, 0.3, 3000.0};
+    long before = 0;
+    for (int i = 0; i < 2000; i++) {
+        if (i == 1000)
+            before = allocations;
+        Axes axes = axes_turn(place, 0.01 * i, 0.0063 * i, 0.02 * i);
+        RenderPacket packet = packet_make(place, axes, 60.0 * RAD);
+        packet.hud.show_numbers = true;
+        packet.hud.show_help = i % 100 == 99;
+        packet.hud.help = HELP;
+        packet.hud.help_count = COUNT_OF(HELP);
+        packet.hud.message = i % 3 ? "written to overfly-0001.png" : NULL;
+        packet.hud.altitude_m = 1.7 * i;
+        hud_paint(bench->canvas, bench->text, &packet, NULL, 1280, 800);
+    }
+    print_message("allocations in 1000 frames: expected 0, found %ld\n", allocations - before);
+    assert_int_equal(allocations - before, 0);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(parts_do_not_overlap_at_any_size),
+        cmocka_unit_test(text_stays_inside_and_apart_at_its_widest),
+        cmocka_unit_test(horizon_is_within_half_a_pixel),
+        cmocka_unit_test(flight_path_marker_is_within_half_a_pixel),
+        cmocka_unit_test(marker_hides_at_rest_and_stays_finite_behind),
+        cmocka_unit_test(picture_is_continuous_through_loops_and_rolls),
+        cmocka_unit_test(numbers_are_written_for_people),
+        cmocka_unit_test(painting_allocates_nothing_after_warm_up),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
