@@ -42,9 +42,10 @@ static Result read_named(const char *const *paths, int count, Scene *out) {
 }
 
 static Result read_scene(const Options *options, Scene *out) {
-    int count = options_positional_count(options);
+    int first = options_command(options) == COMMAND_BENCH; // whose first word is what to measure
+    int count = options_positional_count(options) - first;
     if (count > 0)
-        return read_named(options_positionals(options), count, out);
+        return read_named(options_positionals(options) + first, count, out);
     char path[PATHS_BYTES_MAX];
     Result result = paths_find_data("scenes/" DEFAULT_SCENE ".scene", path);
     return result == RESULT_OK ? scene_read(path, out) : result;

@@ -38,8 +38,8 @@
     X(METHOD, "method", 'm', CHOICE, NULL, "hybrid", 0, 0, CHOICES_METHOD, COMMANDS_SCENE, "level-of-detail method")   \
     X(TAU, "tau", 't', NUMBER, "PX", "1", 0.01, 1000, NULL, COMMANDS_SCENE, "tolerated error at the image centre")     \
     X(PARTITIONS, "partitions", 0, INTEGER, "N", "0", 0, 64, NULL, COMMANDS_SCENE,                                     \
-      "sectors along the observer line; 0: one per worker")                                                            \
-    X(MAX_TRIANGLES, "max-triangles", 0, INTEGER, "N", "40000000", 1000, 2000000000, NULL, COMMANDS_SCENE,             \
+      "sectors along the observer line; 0: 1 for one worker, else 2 a worker")                                                            \
+    X(MAX_TRIANGLES, "max-triangles", 0, INTEGER, "N", "16000000", 1000, 2000000000, NULL, COMMANDS_SCENE,             \
       "above it the tolerance is raised")                                                                              \
     X(REUSE, "reuse", 0, FLAG, NULL, "true", 0, 0, NULL, COMMANDS_SCENE, "keep triangulations from frame to frame")    \
                                                                                                                        \
@@ -58,19 +58,23 @@
     X(IMAGE, "image", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMANDS_PICTURE, "picture draped over the terrain")          \
     X(IMAGE_BOUNDS, "image-bounds", 0, BOUNDS, "W,S,E,N", NULL, 0, 0, NULL, COMMANDS_PICTURE,                          \
       "degrees, for pictures without georeference")                                                                    \
-    X(VRAM, "vram", 0, BYTES, "BYTES", "512M", 1048576, 1e12, NULL, COMMANDS_PICTURE, "limit of the patch cache")      \
-    X(HUD, "hud", 0, FLAG, NULL, "true", 0, 0, NULL, COMMANDS_PICTURE, "draw the flight instruments and numbers")      \
+    X(VRAM, "vram", 0, BYTES, "BYTES", "256M", 1048576, 1e12, NULL, COMMANDS_PICTURE, "limit of the patch cache")      \
+    X(HUD, "hud", 0, FLAG, NULL, "true", 0, 0, NULL, COMMAND_FLY, "draw the flight instruments and numbers")           \
     X(DEBUG_GL, "debug-gl", 0, FLAG, NULL, "false", 0, 0, NULL, COMMANDS_PICTURE, "log what the GL driver reports")    \
                                                                                                                        \
     X(WINDOW, "window", 0, FLAG, NULL, "true", 0, 0, NULL, COMMAND_FLY, "fly in a window; without: by EGL")            \
     X(FULLSCREEN, "fullscreen", 'f', FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY, "the whole screen")                 \
     X(FPS, "fps", 0, NUMBER, "HZ", "60", 1, 1000, NULL, COMMAND_FLY, "frames a second at most")                        \
-    X(FRAMES, "frames", 'n', INTEGER, "N", "0", 0, 1000000000, NULL, COMMAND_FLY,                                      \
-      "leave after N frames; 0: fly until told to leave")                                                              \
+    X(FRAMES, "frames", 'n', INTEGER, "N", "0", 0, 1000000000, NULL, COMMAND_FLY | COMMAND_BENCH,                      \
+      "leave after N frames; 0: fly until told to leave, or measure 600")                                                              \
     X(LOCKSTEP, "lockstep", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY,                                           \
       "stages one after another, 1/60 s a frame: the same pictures each time")                                         \
     X(DEMO, "demo", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY, "fly the scene's demonstration")                  \
-    X(SPEED, "speed", 0, SPEED, "SPEED", NULL, 0, 20000, NULL, COMMAND_FLY, "at the start (80m/s, 120kt)")             \
+    X(SPEED, "speed", 0, SPEED, "SPEED", NULL, 0, 20000, NULL, COMMAND_FLY | COMMAND_BENCH,                              \
+      "at the start (80m/s, 120kt); measuring: 100m/s if not given")                                                   \
+    X(HEIGHT, "height", 0, LENGTH, "LENGTH", "500", 1, 1e7, NULL, COMMAND_BENCH, "of the flight above the ground")      \
+    X(SIDES, "sides", 0, TEXT, "LIST", "1025,2049,4097", 0, 0, NULL, COMMAND_BENCH, "samples a side to preprocess")    \
+    X(ROUNDS, "rounds", 0, INTEGER, "N", "5", 1, 1000, NULL, COMMAND_BENCH, "of each measurement, interleaved")        \
     X(SCREENSHOT, "screenshot", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMAND_FLY, "write the last frame as PNG")         \
     X(PICTURES, "pictures", 0, PATH, "DIR", NULL, 0, 0, NULL, COMMAND_FLY, "write pictures of the flight as PNG")      \
     X(PICTURE_COUNT, "picture-count", 0, INTEGER, "N", "6", 1, 100000, NULL, COMMAND_FLY,                              \

@@ -1,0 +1,20 @@
+// app/bench.h: what the benchmarks share: the machine they ran on, times and their spread, a synthetic terrain.
+// Nanoseconds and milliseconds as named; metres.
+// Values; the caller owns what it allocates.
+#pragma once
+#include "app/json.h"
+#include "base/base.h"
+#include "config/options.h"
+
+// `overfly bench preprocess` and `overfly bench refine`.
+MUST_USE Result bench_preprocess(const Options *options);
+MUST_USE Result bench_refine(const Options *options);
+
+// "machine": processor, processors, compiler, build.
+void bench_add_machine(Json *parent);
+
+// {p50, p99, max} of `count` values, which are sorted.
+void bench_add_percentiles(Json *parent, const char *name, double *values, int count);
+
+// Rough ground: midpoint noise of octaves down to single samples, each 0.55 of the one before, 0 .. about 1800 m. [side][side]
+void bench_fill_rough(float *height_m, int side);
