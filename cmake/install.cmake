@@ -13,8 +13,8 @@ endif()
 
 add_custom_command(
   OUTPUT ${manual}
-  COMMAND sh ${PROJECT_SOURCE_DIR}/tools/make_manual $<TARGET_FILE:overfly> ${data}/man/overfly.1.in ${PROJECT_VERSION} >
-          ${manual}.new
+  COMMAND sh ${PROJECT_SOURCE_DIR}/tools/make_manual $<TARGET_FILE:overfly> ${data}/man/overfly.1.in
+          ${PROJECT_VERSION} > ${manual}.new
   COMMAND ${CMAKE_COMMAND} -E rename ${manual}.new ${manual}
   DEPENDS overfly ${data}/man/overfly.1.in ${PROJECT_SOURCE_DIR}/tools/make_manual
   COMMENT "Writing the man page"
