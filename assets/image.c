@@ -26,7 +26,7 @@ static const struct {
 } TYPES[] = {
     [IMAGE_OTHER] = {"unsupported", 0}, [IMAGE_UINT8] = {"uint8", 1},     [IMAGE_INT8] = {"int8", 1},
     [IMAGE_UINT16] = {"uint16", 2},     [IMAGE_INT16] = {"int16", 2},     [IMAGE_UINT32] = {"uint32", 4},
-    [IMAGE_INT32] = {"int32", 4},       [IMAGE_FLOAT32] = {"float32", 4}, [IMAGE_FLOAT64] = {"float64", 8},
+    [IMAGE_INT32] = {"int32", 4},       [IMAGE_FLOAT32] = {"float32", 4},
 };
 
 const char *image_type_name(ImageType type) {
@@ -73,8 +73,9 @@ static Result load_module(const ImageModule **out) {
 static Result check_readable(const char *path, int64_t *bytes) {
     struct stat status;
     if (stat(path, &status) || (S_ISREG(status.st_mode) && access(path, R_OK))) {
-        log_error("%s: %s", path, strerror(errno));
-        return errno == ENOENT ? RESULT_NOT_FOUND : RESULT_IO;
+        int cause = errno;
+        log_error("%s: %s", path, strerror(cause));
+        return cause == ENOENT || cause == ENOTDIR ? RESULT_NOT_FOUND : RESULT_IO;
     }
     if (!S_ISREG(status.st_mode)) {
         log_error("%s: not a file; give the path of an image", path);

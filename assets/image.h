@@ -7,7 +7,7 @@
 #define IMAGE_SIDE_MAX (1 << 20) // pixels
 
 typedef enum ImageType {
-    IMAGE_OTHER, // half floats, 64-bit integers
+    IMAGE_OTHER, // half floats, anything of 64 bits
     IMAGE_UINT8,
     IMAGE_INT8,
     IMAGE_UINT16,
@@ -15,7 +15,6 @@ typedef enum ImageType {
     IMAGE_UINT32,
     IMAGE_INT32,
     IMAGE_FLOAT32,
-    IMAGE_FLOAT64,
 } ImageType;
 
 // "int16"; "unsupported" for IMAGE_OTHER. Static storage.

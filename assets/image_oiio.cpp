@@ -9,10 +9,13 @@
 #include <memory>
 #include <new>
 #include <string>
+#include <vector>
 
 struct ImageReader {
     std::unique_ptr<OIIO::ImageInput> input;
     bool tiled;
+    bool row_by_row;
+    std::vector<unsigned char> row; // of all channels, where fewer are asked for
 };
 
 namespace {
@@ -57,9 +60,7 @@ ImageType type_of(const OIIO::ImageSpec &spec) {
         return IMAGE_INT32;
     case OIIO::TypeDesc::FLOAT:
         return IMAGE_FLOAT32;
-    case OIIO::TypeDesc::DOUBLE:
-        return IMAGE_FLOAT64;
-    default:
+    default: // 64-bit samples too: OpenImageIO 2.4 gives zeros for those in tiles and in rows that are no whole strip
         return IMAGE_OTHER;
     }
 }
@@ -89,9 +90,6 @@ std::string last_error(const ImageReader *reader) {
 
 Result open_reader(const char *path, const char *format, ImageReader **out, ImageSpec *spec, ImageError *error) {
     return guarded(error, [&] {
-#ifdef __SANITIZE_THREAD__
-        OIIO::attribute("threads", 1); // the library's own locks are invisible to the sanitizer
-#endif
         auto reader = std::make_unique<ImageReader>();
         OIIO::ImageSpec native, hints = open_hints();
         if (format) {
@@ -111,9 +109,42 @@ Result open_reader(const char *path, const char *format, ImageReader **out, Imag
         }
         *spec = spec_of(native);
         reader->tiled = spec->tiled;
+        reader->row_by_row = must_read_row_by_row(*reader->input);
         *out = reader.release();
         return RESULT_OK;
     });
+}
+
+// For strips of 8 and 16 bits OpenImageIO 2.4 unpacks many at once, and then drops what zlib says about damaged ones.
+// Single rows go through libtiff, which reports. Where bands are stored apart, single rows in turn are slow or wrong.
+bool must_read_row_by_row(const OIIO::ImageInput &input) {
+    const OIIO::ImageSpec &spec = input.spec();
+    bool small = spec.format == OIIO::TypeDesc::UINT8 || spec.format == OIIO::TypeDesc::UINT16;
+    bool apart = spec.get_string_attribute("planarconfig") == "separate";
+    return small && !apart && spec.tile_width == 0 && std::string(input.format_name()) == "tiff";
+}
+
+bool read_single_rows(ImageReader *reader, int y0, int y1, int channels, OIIO::TypeDesc type, void *out) {
+    const OIIO::ImageSpec &spec = reader->input->spec();
+    size_t pixel_bytes = type.size() * size_t(spec.nchannels), wanted_bytes = type.size() * size_t(channels);
+    reader->row.resize(pixel_bytes * size_t(spec.width));
+    auto *to = static_cast<unsigned char *>(out);
+    for (int y = y0; y < y1; y++) {
+        if (!reader->input->read_scanline(y, spec.z, type, reader->row.data()))
+            return false;
+        const unsigned char *from = reader->row.data();
+        for (int x = 0; x < spec.width; x++, from += pixel_bytes, to += wanted_bytes)
+            std::copy_n(from, wanted_bytes, to);
+    }
+    return true;
+}
+
+bool read_many_rows(ImageReader *reader, int y0, int y1, int channels, OIIO::TypeDesc type, void *out) {
+    const OIIO::ImageSpec &spec = reader->input->spec();
+    if (reader->tiled)
+        return reader->input->read_tiles(0, 0, spec.x, spec.x + spec.width, y0, y1, spec.z, spec.z + 1, 0, channels,
+                                         type, out);
+    return reader->input->read_scanlines(0, 0, y0, y1, spec.z, 0, channels, type, out);
 }
 
 Result read_rows(ImageReader *reader, int row_begin, int row_end, int channels, bool as_uint8, void *out,
@@ -122,9 +153,8 @@ Result read_rows(ImageReader *reader, int row_begin, int row_end, int channels, 
         const OIIO::ImageSpec &spec = reader->input->spec();
         OIIO::TypeDesc type = as_uint8 ? OIIO::TypeDesc(OIIO::TypeDesc::UINT8) : spec.format;
         int y0 = spec.y + row_begin, y1 = spec.y + row_end;
-        bool read = reader->tiled ? reader->input->read_tiles(0, 0, spec.x, spec.x + spec.width, y0, y1, spec.z,
-                                                              spec.z + 1, 0, channels, type, out)
-                                  : reader->input->read_scanlines(0, 0, y0, y1, spec.z, 0, channels, type, out);
+        bool read = reader->row_by_row ? read_single_rows(reader, y0, y1, channels, type, out)
+                                       : read_many_rows(reader, y0, y1, channels, type, out);
         // A truncated strip reads as success; only the message tells.
         if (!read || reader->input->has_error()) {
             set_error(error, last_error(reader));

@@ -42,8 +42,9 @@ static Result promised_size(const char *path, bool *gzip, bool *zip, int64_t *si
     uint8_t head[4] = {0}, tail[4] = {0};
     FILE *file = fopen(path, "rb");
     if (!file) {
-        log_error("%s: %s", path, strerror(errno));
-        return errno == ENOENT ? RESULT_NOT_FOUND : RESULT_IO;
+        int cause = errno;
+        log_error("%s: %s; check the path", path, strerror(cause));
+        return cause == ENOENT ? RESULT_NOT_FOUND : RESULT_IO;
     }
     size_t read = fread(head, 1, sizeof head, file);
     *gzip = read >= 2 && head[0] == 0x1f && head[1] == 0x8b;

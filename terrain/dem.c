@@ -17,7 +17,8 @@ DemOptions dem_default_options(void) {
 static void set_names(Dem *dem, const DemGeoref *georef) {
     snprintf(dem->type, sizeof dem->type, "float32");
     if (georef->crs == DEM_CRS_UTM)
-        snprintf(dem->crs_name, sizeof dem->crs_name, "EPSG:%d", (georef->utm_north ? 32600 : 32700) + georef->utm_zone);
+        snprintf(dem->crs_name, sizeof dem->crs_name, "EPSG:%d",
+                 (georef->utm_north ? 32600 : 32700) + georef->utm_zone);
     else
         snprintf(dem->crs_name, sizeof dem->crs_name, "EPSG:4326");
 }

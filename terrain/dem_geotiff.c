@@ -14,10 +14,9 @@ static ImageType type_of(const GeotiffTags *tags) {
         GeotiffFormat format;
         int bits;
         ImageType type;
-    } TYPES[] = {{GEOTIFF_UINT, 8, IMAGE_UINT8},     {GEOTIFF_INT, 8, IMAGE_INT8},
-                 {GEOTIFF_UINT, 16, IMAGE_UINT16},   {GEOTIFF_INT, 16, IMAGE_INT16},
-                 {GEOTIFF_UINT, 32, IMAGE_UINT32},   {GEOTIFF_INT, 32, IMAGE_INT32},
-                 {GEOTIFF_FLOAT, 32, IMAGE_FLOAT32}, {GEOTIFF_FLOAT, 64, IMAGE_FLOAT64}};
+    } TYPES[] = {{GEOTIFF_UINT, 8, IMAGE_UINT8},    {GEOTIFF_INT, 8, IMAGE_INT8},     {GEOTIFF_UINT, 16, IMAGE_UINT16},
+                 {GEOTIFF_INT, 16, IMAGE_INT16},    {GEOTIFF_UINT, 32, IMAGE_UINT32}, {GEOTIFF_INT, 32, IMAGE_INT32},
+                 {GEOTIFF_FLOAT, 32, IMAGE_FLOAT32}};
     for (size_t i = 0; i < COUNT_OF(TYPES); i++)
         if (tags->format == TYPES[i].format && tags->bits == TYPES[i].bits)
             return TYPES[i].type;
@@ -25,8 +24,8 @@ static ImageType type_of(const GeotiffTags *tags) {
 }
 
 static Result refuse_picture(const char *path, const GeotiffTags *tags) {
-    log_error("%s: %d bands of %d bits in colours: a picture, not elevation; drape it over a terrain with --image", path,
-              tags->bands, tags->bits);
+    log_error("%s: %d bands of %d bits in colours: a picture, not elevation; drape it over a terrain with --image",
+              path, tags->bands, tags->bits);
     return RESULT_FORMAT;
 }
 
@@ -43,8 +42,9 @@ static Result set_samples(const char *path, const GeotiffTags *tags, DemSource *
         return refuse_picture(path, tags);
     coding->type = type_of(tags);
     if (coding->type == IMAGE_OTHER) {
-        log_error("%s: samples of %d bits of a kind that is not read; expected integers of 8 to 32 bits or floats of 32 or "
-                  "64; convert it: gdal_translate -ot Float32 %s OUT.tif",
+        log_error("%s: samples of %d bits of a kind that is not read; expected integers of 8, 16 or 32 bits, or floats "
+                  "of 32; "
+                  "convert it: gdal_translate -ot Float32 %s OUT.tif",
                   path, tags->bits, path);
         return RESULT_UNSUPPORTED;
     }
@@ -87,11 +87,23 @@ static double metres_of_unit_name(const char *name) {
     static const struct {
         const char *name;
         double metres;
-    } UNITS[] = {{"m", 1.0},         {"metre", 1.0},        {"meter", 1.0},
-                 {"metres", 1.0},    {"meters", 1.0},       {"ft", FOOT_M},
-                 {"foot", FOOT_M},   {"feet", FOOT_M},      {"international foot", FOOT_M},
-                 {"ft-us", FOOT_US_M}, {"us-ft", FOOT_US_M},  {"ftUS", FOOT_US_M},
-                 {"US survey foot", FOOT_US_M}, {"cm", 0.01}, {"dm", 0.1}, {"mm", 0.001}, {"km", 1000.0}};
+    } UNITS[] = {{"m", 1.0},
+                 {"metre", 1.0},
+                 {"meter", 1.0},
+                 {"metres", 1.0},
+                 {"meters", 1.0},
+                 {"ft", FOOT_M},
+                 {"foot", FOOT_M},
+                 {"feet", FOOT_M},
+                 {"international foot", FOOT_M},
+                 {"ft-us", FOOT_US_M},
+                 {"us-ft", FOOT_US_M},
+                 {"ftUS", FOOT_US_M},
+                 {"US survey foot", FOOT_US_M},
+                 {"cm", 0.01},
+                 {"dm", 0.1},
+                 {"mm", 0.001},
+                 {"km", 1000.0}};
     for (size_t i = 0; i < COUNT_OF(UNITS); i++)
         if (strcmp(name, UNITS[i].name) == 0)
             return UNITS[i].metres;
@@ -104,7 +116,7 @@ static double metres_of_vertical(int vertical) {
 }
 
 static Result set_scale(const char *path, const GeotiffTags *tags, DemCoding *coding) {
-    double unit_m = tags->gdal_unit[0]        ? metres_of_unit_name(tags->gdal_unit)
+    double unit_m = tags->gdal_unit[0]         ? metres_of_unit_name(tags->gdal_unit)
                     : tags->vertical_units > 0 ? metres_of_unit_code(tags->vertical_units)
                                                : metres_of_vertical(tags->vertical);
     coding->scale_m = tags->gdal_scale * unit_m;
@@ -211,12 +223,14 @@ static bool set_geographic(const char *path, const GeotiffTags *tags, DemHeader 
 static Result refuse_crs(const char *path, const GeotiffTags *tags) {
     int code = tags->model == 1 ? tags->projected : tags->geographic;
     if (!tags->has_keys) {
-        log_error("%s: it does not say in which coordinate system it is; declare it: gdal_translate -a_srs EPSG:CODE %s "
-                  "OUT.tif",
-                  path, path);
+        log_error(
+            "%s: it does not say in which coordinate system it is; declare it: gdal_translate -a_srs EPSG:CODE %s "
+            "OUT.tif",
+            path, path);
         return RESULT_UNSUPPORTED;
     }
-    log_error("%s: its coordinate system, %s%d (%s), is neither longitude and latitude nor UTM on WGS84; convert it: gdalwarp "
+    log_error("%s: its coordinate system, %s%d (%s), is neither longitude and latitude nor UTM on WGS84; convert it: "
+              "gdalwarp "
               "-t_srs EPSG:%d -r bilinear %s OUT.tif",
               path, code == GEOTIFF_CODE_USER_DEFINED ? "user-defined " : "EPSG:", code,
               tags->citation[0] ? tags->citation : "unnamed", wgs84_twin(code), path);
@@ -263,9 +277,10 @@ static Result refuse_rotated(const char *path, const GeotiffTags *tags, const De
     int code = EPSG_WGS84;
     if (header->georef.crs == DEM_CRS_UTM)
         code = (header->georef.utm_north ? 32600 : 32700) + header->georef.utm_zone;
-    log_error("%s: %s; rows must run east and columns south; resample it: gdalwarp -t_srs EPSG:%d -r bilinear %s OUT.tif",
-              path, tags->has_matrix ? "its matrix rotates or mirrors the grid" : "it is placed by control points only",
-              code, path);
+    log_error(
+        "%s: %s; rows must run east and columns south; resample it: gdalwarp -t_srs EPSG:%d -r bilinear %s OUT.tif",
+        path, tags->has_matrix ? "its matrix rotates or mirrors the grid" : "it is placed by control points only", code,
+        path);
     return RESULT_UNSUPPORTED;
 }
 

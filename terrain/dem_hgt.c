@@ -9,9 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const struct {
-    int width, height;
-} SIZES[] = {{1201, 1201}, {3601, 3601}, {1801, 3601}};
+static const struct { int width, height; } SIZES[] = {{1201, 1201}, {3601, 3601}, {1801, 3601}};
 
 static Result find_size(const char *path, int64_t bytes, DemHeader *header) {
     for (size_t i = 0; i < COUNT_OF(SIZES); i++)
@@ -58,8 +56,8 @@ static Result set_header(const char *path, const ByteStream *stream, DemHeader *
         return result;
     int lat, lon;
     if (!parse_corner(byte_stream_name(stream), &lat, &lon)) {
-        log_error("%s: the name \"%s\" does not say where the tile lies; expected one like N49E020.hgt; rename it", path,
-                  byte_stream_name(stream));
+        log_error("%s: the name \"%s\" does not say where the tile lies; expected one like N49E020.hgt; rename it",
+                  path, byte_stream_name(stream));
         return RESULT_FORMAT;
     }
     header->georef = (DemGeoref){.crs = DEM_CRS_GEOGRAPHIC,

@@ -140,8 +140,8 @@ static Result create_dem(const DemHeader *header, const char *file, Dem **out) {
         dem->height_m = malloc(count * sizeof *dem->height_m);
     }
     if (!dem || !dem->file || !dem->height_m) {
-        log_error("%s: no memory for %d x %d samples; cut a part out: gdal_translate -srcwin COL ROW WIDTH HEIGHT", file,
-                  header->width, header->height);
+        log_error("%s: no memory for %d x %d samples; cut a part out: gdal_translate -srcwin COL ROW WIDTH HEIGHT",
+                  file, header->width, header->height);
         dem_destroy(&dem);
         return RESULT_MEMORY;
     }
@@ -179,8 +179,9 @@ static Result check_voids(const DemOptions *options, const Dem *dem) {
         return RESULT_RANGE;
     }
     if (dem->voids > 0 && options->voids == DEM_VOIDS_ERROR) {
-        log_error("%s: %lld of %lld samples are voids; fill them with --voids fill, or leave them out with --voids hole",
-                  dem->file, (long long)dem->voids, (long long)count);
+        log_error(
+            "%s: %lld of %lld samples are voids; fill them with --voids fill, or leave them out with --voids hole",
+            dem->file, (long long)dem->voids, (long long)count);
         return RESULT_RANGE;
     }
     return RESULT_OK;

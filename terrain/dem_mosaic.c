@@ -9,7 +9,8 @@
 #define GRID_TOLERANCE 0.01
 
 static Result refuse_other_grid(const DemSource *a, const DemSource *b, const char *what) {
-    log_error("%s: %s than %s; files given together must be tiles of one grid; merge them first: gdalwarp -t_srs EPSG:4326 -r "
+    log_error("%s: %s than %s; files given together must be tiles of one grid; merge them first: gdalwarp -t_srs "
+              "EPSG:4326 -r "
               "bilinear %s %s OUT.tif",
               b->path, what, a->path, a->path, b->path);
     return RESULT_RANGE;
@@ -83,8 +84,9 @@ static Result check_connected(const DemSource *sources, const DemPlace *places, 
         int apart = 0;
         while (reached[apart])
             apart++;
-        log_error("%s: it touches none of the other files, %s among them; give adjacent tiles, or fly over one at a time",
-                  sources[apart].path, sources[0].path);
+        log_error(
+            "%s: it touches none of the other files, %s among them; give adjacent tiles, or fly over one at a time",
+            sources[apart].path, sources[0].path);
         result = RESULT_RANGE;
     }
     free(reached);
@@ -102,8 +104,8 @@ static Result set_extent(const DemSource *sources, int count, DemHeader *out, De
         row1 = bottom > row1 ? bottom : row1;
     }
     if (col1 - col0 > DEM_SIDE_MAX || row1 - row0 > DEM_SIDE_MAX) {
-        log_error("%s: together the files span %d x %d samples; at most %d a side; give fewer", sources[0].path, col1 - col0,
-                  row1 - row0, DEM_SIDE_MAX);
+        log_error("%s: together the files span %d x %d samples; at most %d a side; give fewer", sources[0].path,
+                  col1 - col0, row1 - row0, DEM_SIDE_MAX);
         return RESULT_RANGE;
     }
     for (int i = 0; i < count; i++)

@@ -59,9 +59,10 @@ static Result check_promise(const char *path, const PngHeader *png, int64_t byte
     if (png->width >= 1 && png->height >= 1 && png->width <= DEM_SIDE_MAX && png->height <= DEM_SIDE_MAX &&
         promised <= (double)bytes * INFLATE_RATIO_MAX)
         return RESULT_OK;
-    log_error("%s: its header promises %u x %u samples, more than its %lld bytes can hold, or more than %d a side; fetch it "
-              "again",
-              path, png->width, png->height, (long long)bytes, DEM_SIDE_MAX);
+    log_error(
+        "%s: its header promises %u x %u samples, more than its %lld bytes can hold, or more than %d a side; fetch it "
+        "again",
+        path, png->width, png->height, (long long)bytes, DEM_SIDE_MAX);
     return RESULT_FORMAT;
 }
 
@@ -70,9 +71,10 @@ static Result set_coding(const char *path, const PngHeader *png, DemSource *out)
     bool rgb = png->colour == COLOUR_RGB || png->colour == COLOUR_RGB_ALPHA;
     bool alpha = png->colour == COLOUR_GRAY_ALPHA || png->colour == COLOUR_RGB_ALPHA || png->transparency;
     if (!(gray && png->depth == 16) && !(rgb && png->depth == 8)) {
-        log_error("%s: %d bits of PNG colour type %d; elevation is read from 16-bit gray (metres) or 8-bit RGB (terrarium); "
-                  "export it as 16-bit gray, or drape a picture with --image",
-                  path, png->depth, png->colour);
+        log_error(
+            "%s: %d bits of PNG colour type %d; elevation is read from 16-bit gray (metres) or 8-bit RGB (terrarium); "
+            "export it as 16-bit gray, or drape a picture with --image",
+            path, png->depth, png->colour);
         return RESULT_FORMAT;
     }
     out->coding = (DemCoding){.type = gray ? IMAGE_UINT16 : IMAGE_UINT8,

@@ -17,15 +17,15 @@ static inline float metres(const DemCoding *coding, double value) {
 }
 
 // One loop per stored type: the compiler keeps the conversion out of the loop's way.
-#define DEFINE_DECODE(name, Type)                                                                  \
-    static void name(const DemCoding *coding, const Type *stored, int count, float *height_m) {    \
-        double nodata = coding->has_nodata ? coding->nodata : VOID_SRTM;                           \
-        for (int i = 0; i < count; i++, stored += coding->channels) {                              \
-            double value = (double)stored[0];                                                      \
-            bool data = value != nodata && value != VOID_SRTM && isfinite(value) &&                \
-                        !(coding->alpha && stored[1] == 0);                                        \
-            height_m[i] = data ? metres(coding, value) : NAN;                                      \
-        }                                                                                          \
+#define DEFINE_DECODE(name, Type)                                                                                      \
+    static void name(const DemCoding *coding, const Type *stored, int count, float *height_m) {                        \
+        double nodata = coding->has_nodata ? coding->nodata : VOID_SRTM;                                               \
+        for (int i = 0; i < count; i++, stored += coding->channels) {                                                  \
+            double value = (double)stored[0];                                                                          \
+            bool data =                                                                                                \
+                value != nodata && value != VOID_SRTM && isfinite(value) && !(coding->alpha && stored[1] == 0);        \
+            height_m[i] = data ? metres(coding, value) : NAN;                                                          \
+        }                                                                                                              \
     }
 DEFINE_DECODE(decode_uint8, uint8_t)
 DEFINE_DECODE(decode_int8, int8_t)
@@ -34,7 +34,6 @@ DEFINE_DECODE(decode_int16, int16_t)
 DEFINE_DECODE(decode_uint32, uint32_t)
 DEFINE_DECODE(decode_int32, int32_t)
 DEFINE_DECODE(decode_float32, float)
-DEFINE_DECODE(decode_float64, double)
 
 // Red 256 m, green 1 m, blue 1/256 m, from 32768 m below; transparent is no data.
 static void decode_terrarium(const DemCoding *coding, const uint8_t *stored, int count, float *height_m) {
@@ -51,9 +50,9 @@ void dem_coding_decode(const DemCoding *coding, const void *stored, int count, f
         return;
     }
     switch (coding->type) {
-#define DECODE(TYPE, name)                                                                         \
-    case IMAGE_##TYPE:                                                                             \
-        decode_##name(coding, stored, count, height_m);                                            \
+#define DECODE(TYPE, name)                                                                                             \
+    case IMAGE_##TYPE:                                                                                                 \
+        decode_##name(coding, stored, count, height_m);                                                                \
         return;
         DECODE(UINT8, uint8)
         DECODE(INT8, int8)
@@ -62,7 +61,6 @@ void dem_coding_decode(const DemCoding *coding, const void *stored, int count, f
         DECODE(UINT32, uint32)
         DECODE(INT32, int32)
         DECODE(FLOAT32, float32)
-        DECODE(FLOAT64, float64)
 #undef DECODE
     case IMAGE_OTHER:
         break;
@@ -125,16 +123,18 @@ Result dem_raster_read(const DemSource *source, const char *format, const DemTar
     if (result != RESULT_OK)
         goto done;
     const ImageSpec *spec = image_spec(file);
-    size_t width = (size_t)spec->width, rows = (size_t)(spec->block_rows < spec->height ? spec->block_rows : spec->height);
+    size_t width = (size_t)spec->width,
+           rows = (size_t)(spec->block_rows < spec->height ? spec->block_rows : spec->height);
     block.row_bytes = width * (size_t)source->coding.channels * image_type_bytes(spec->type);
     block.stored = malloc(rows * block.row_bytes);
     block.row_m = malloc(width * sizeof *block.row_m);
     if (block.stored && block.row_m) {
         result = read_blocks(source, file, &block, target);
     } else {
-        log_error("%s: no memory to read %zu rows of %zu samples; rewrite it in smaller tiles: gdal_translate -co TILED=YES "
-                  "%s OUT.tif",
-                  source->path, rows, width, source->path);
+        log_error(
+            "%s: no memory to read %zu rows of %zu samples; rewrite it in smaller tiles: gdal_translate -co TILED=YES "
+            "%s OUT.tif",
+            source->path, rows, width, source->path);
         result = RESULT_MEMORY;
     }
 done:

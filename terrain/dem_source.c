@@ -36,8 +36,8 @@ static Kind kind_of(const char *path, const uint8_t *head, size_t length) {
         const char *magic;
         size_t length;
         Kind kind;
-    } MAGICS[] = {{"II*\0", 4, KIND_TIFF},       {"MM\0*", 4, KIND_TIFF},   {"II+\0", 4, KIND_TIFF},
-                  {"MM\0+", 4, KIND_TIFF},       {"\x89PNG\r\n", 6, KIND_PNG}, {"PK\3\4", 4, KIND_ZIP},
+    } MAGICS[] = {{"II*\0", 4, KIND_TIFF},   {"MM\0*", 4, KIND_TIFF},      {"II+\0", 4, KIND_TIFF},
+                  {"MM\0+", 4, KIND_TIFF},   {"\x89PNG\r\n", 6, KIND_PNG}, {"PK\3\4", 4, KIND_ZIP},
                   {"\x1f\x8b", 2, KIND_GZIP}};
     // Raw samples may begin with any bytes: the name decides first.
     if (dem_name_ends(path, ".hgt"))
@@ -53,8 +53,9 @@ static Kind kind_of(const char *path, const uint8_t *head, size_t length) {
 static Result read_head(const char *path, uint8_t *head, size_t *length, int64_t *bytes) {
     struct stat status;
     if (stat(path, &status)) {
-        log_error("%s: %s", path, strerror(errno));
-        return errno == ENOENT || errno == ENOTDIR ? RESULT_NOT_FOUND : RESULT_IO;
+        int cause = errno;
+        log_error("%s: %s; check the path", path, strerror(cause));
+        return cause == ENOENT || cause == ENOTDIR ? RESULT_NOT_FOUND : RESULT_IO;
     }
     if (!S_ISREG(status.st_mode)) {
         log_error("%s: not a file; give elevation files, or a folder of them", path);
@@ -62,7 +63,7 @@ static Result read_head(const char *path, uint8_t *head, size_t *length, int64_t
     }
     FILE *file = fopen(path, "rb");
     if (!file) {
-        log_error("%s: %s", path, strerror(errno));
+        log_error("%s: %s; make it readable", path, strerror(errno));
         return RESULT_IO;
     }
     *length = fread(head, 1, *length, file);
@@ -137,8 +138,9 @@ static Result place_by_spacing(const DemOptions *options, const char *path, DemH
     snprintf(header->crs_name, sizeof header->crs_name, "none");
     if (georef->y0 <= 60.0 && georef->x0 >= -180.0)
         return RESULT_OK;
-    log_error("%s: %d x %d samples %g m apart do not fit between 60 S and 60 N; give --bounds W,S,E,N instead of --spacing",
-              path, header->width, header->height, options->spacing_m);
+    log_error(
+        "%s: %d x %d samples %g m apart do not fit between 60 S and 60 N; give --bounds W,S,E,N instead of --spacing",
+        path, header->width, header->height, options->spacing_m);
     return RESULT_RANGE;
 }
 
@@ -191,8 +193,8 @@ Result dem_source_check_georef(const char *path, DemHeader *header) {
     if (!fits) {
         log_error("%s: its georeference, first sample %.9g,%.9g, step %.9g,%.9g over %d x %d samples in %s, leaves the "
                   "globe or the projection; correct it: gdal_translate -a_srs EPSG:CODE -a_ullr W N E S %s OUT.tif",
-                  path, georef->x0, georef->y0, georef->dx, georef->dy, header->width, header->height,
-                  header->crs_name, path);
+                  path, georef->x0, georef->y0, georef->dx, georef->dy, header->width, header->height, header->crs_name,
+                  path);
         return RESULT_RANGE;
     }
     if (georef->crs == DEM_CRS_GEOGRAPHIC)
@@ -206,10 +208,11 @@ static Result check_heights(const DemSource *source, int file_row, const float *
     for (int col = 0; col < source->header.width; col++) {
         if (!isgreater(fabsf(height_m[col]), (float)DEM_HEIGHT_MAX_M)) // voids are quiet
             continue;
-        log_error("%s: the sample at column %d, row %d of the file is %g m: another unit, a nodata value that is not "
-                  "declared, or no elevation at all; declare it: gdal_translate -a_nodata VALUE (or -a_scale FACTOR) %s "
-                  "OUT.tif",
-                  source->path, col, file_row, (double)height_m[col], source->path);
+        log_error(
+            "%s: the sample at column %d, row %d of the file is %g m: another unit, a nodata value that is not "
+            "declared, or no elevation at all; declare it: gdal_translate -a_nodata VALUE (or -a_scale FACTOR) %s "
+            "OUT.tif",
+            source->path, col, file_row, (double)height_m[col], source->path);
         return RESULT_FORMAT;
     }
     return RESULT_OK;

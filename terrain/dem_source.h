@@ -1,7 +1,6 @@
-// terrain/dem_source.h: one elevation file whose header is known and checked, and how its rows become heights. Private to
-// terrain/dem_*.c.
-// Units of the CRS; heights in metres above the header's datum; NaN is a void. Row 0 is the northernmost.
-// A DemSource is a value that holds no file open; it borrows the path. One thread at a time may read it.
+// terrain/dem_source.h: one elevation file whose header is known and checked, and how its rows become heights. Private
+// to terrain/dem_*.c. Units of the CRS; heights in metres above the header's datum; NaN is a void. Row 0 is the
+// northernmost. A DemSource is a value that holds no file open; it borrows the path. One thread at a time may read it.
 #pragma once
 #include "assets/image.h"
 #include "terrain/dem.h"

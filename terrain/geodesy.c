@@ -13,8 +13,8 @@ Vec3d geodesy_to_ecef(Geodetic point) {
                    (normal_m * (1.0 - GEODESY_E2) + point.h_m) * sin_lat};
 }
 
-// Bowring's iteration (Survey Review 23, 1976; first guess: 28, 1985) on the reduced latitude, kept as sine and cosine so
-// that poles and equator are ordinary points. The height is taken along the normal, where an error of the latitude
+// Bowring's iteration (Survey Review 23, 1976; first guess: 28, 1985) on the reduced latitude, kept as sine and cosine
+// so that poles and equator are ordinary points. The height is taken along the normal, where an error of the latitude
 // counts only squared; the customary p / cos(lat) - N fails near the poles.
 Geodetic geodesy_from_ecef(Vec3d ecef) {
     double p = hypot(ecef.x, ecef.y), r = hypot(p, ecef.z);

@@ -97,8 +97,8 @@ static Result read_layout(Reader *reader, GeotiffTags *out) {
     out->bits = bits;
     out->format = format_of(format);
     out->gray = photometric == PHOTOMETRIC_MINISBLACK;
-    out->alpha = bands == 2 && extra_count >= 1 &&
-                 (extra[0] == EXTRASAMPLE_ASSOCALPHA || extra[0] == EXTRASAMPLE_UNASSALPHA);
+    out->alpha =
+        bands == 2 && extra_count >= 1 && (extra[0] == EXTRASAMPLE_ASSOCALPHA || extra[0] == EXTRASAMPLE_UNASSALPHA);
     return RESULT_OK;
 }
 
@@ -119,15 +119,10 @@ static double expansion_limit(unsigned compression) {
     }
 }
 
-static Result refuse_storage(const char *path, uint32_t block, const char *what, uint64_t promised, uint64_t found) {
-    log_error("%s: truncated or damaged: block %u %s %llu, but there are %llu; fetch it again", path, block, what,
-              (unsigned long long)promised, (unsigned long long)found);
-    return RESULT_FORMAT;
-}
-
 static Result refuse_sparse(const char *path, uint32_t block) {
-    log_error("%s: block %u has no data (a sparse file); write it in full: gdal_translate -co SPARSE_OK=FALSE %s OUT.tif",
-              path, block, path);
+    log_error(
+        "%s: block %u has no data (a sparse file); write it in full: gdal_translate -co SPARSE_OK=FALSE %s OUT.tif",
+        path, block, path);
     return RESULT_UNSUPPORTED;
 }
 
@@ -140,16 +135,26 @@ static Result check_codec(const char *path, unsigned compression) {
     return RESULT_UNSUPPORTED;
 }
 
+static Result refuse_beyond_end(const char *path, uint32_t block, uint64_t offset, uint64_t bytes, uint64_t end) {
+    log_error("%s: truncated or damaged: block %u takes %llu bytes from byte %llu on, but the file ends at %llu; fetch "
+              "it again",
+              path, block, (unsigned long long)bytes, (unsigned long long)offset, (unsigned long long)end);
+    return RESULT_FORMAT;
+}
+
 static Result check_block(Reader *reader, uint32_t block, uint64_t file_bytes, uint64_t *bytes) {
     int failed_offset = 0, failed_bytes = 0;
     uint64_t offset = TIFFGetStrileOffsetWithErr(reader->tiff, block, &failed_offset);
     *bytes = TIFFGetStrileByteCountWithErr(reader->tiff, block, &failed_bytes);
-    if (failed_offset || failed_bytes)
-        return refuse_storage(reader->path, block, "is not in the list of blocks; its length is", block + 1ull, block);
+    if (failed_offset || failed_bytes) {
+        log_error("%s: truncated or damaged: block %u is not in the file's list of blocks; fetch it again",
+                  reader->path, block);
+        return RESULT_FORMAT;
+    }
     if (*bytes == 0)
         return refuse_sparse(reader->path, block);
     if (offset > file_bytes || *bytes > file_bytes - offset)
-        return refuse_storage(reader->path, block, "needs bytes from", offset, file_bytes);
+        return refuse_beyond_end(reader->path, block, offset, *bytes, file_bytes);
     return RESULT_OK;
 }
 
@@ -175,7 +180,8 @@ static Result check_storage(Reader *reader, const GeotiffTags *tags) {
         stored += (double)bytes;
     }
     if (result == RESULT_OK && (unpacked <= 0.0 || unpacked > stored * expansion_limit(compression))) {
-        log_error("%s: truncated or damaged: its header promises %.0f bytes of samples, its %u blocks hold %.0f bytes in all; "
+        log_error("%s: truncated or damaged: its header promises %.0f bytes of samples, its %u blocks hold %.0f bytes "
+                  "in all; "
                   "fetch it again",
                   reader->path, unpacked, count, stored);
         result = RESULT_FORMAT;
@@ -323,11 +329,10 @@ static int utm_code_of(const GTIFDefn *definition) {
 static void read_definition(GTIF *gtif, GeotiffTags *out) {
     GTIFDefn *definition = GTIFAllocDefn();
     if (definition && GTIFGetDefn(gtif, definition)) {
-        out->defined_wgs84 = near(definition->SemiMajor, 6378137.0, 1e-6) &&
-                             near(definition->SemiMinor, 6356752.314245179, 1e-3) &&
-                             (definition->Datum == Datum_WGS84 || definition->GCS == GCS_WGS_84) &&
-                             near(definition->PMLongToGreenwich, 0.0, 1e-12) &&
-                             near(definition->UOMAngleInDegrees, 1.0, 1e-12);
+        out->defined_wgs84 =
+            near(definition->SemiMajor, 6378137.0, 1e-6) && near(definition->SemiMinor, 6356752.314245179, 1e-3) &&
+            (definition->Datum == Datum_WGS84 || definition->GCS == GCS_WGS_84) &&
+            near(definition->PMLongToGreenwich, 0.0, 1e-12) && near(definition->UOMAngleInDegrees, 1.0, 1e-12);
         out->defined_utm = out->defined_wgs84 ? utm_code_of(definition) : 0;
     }
     if (definition)

@@ -4,7 +4,7 @@
 #pragma once
 #include "base/base.h"
 
-#define GEOTIFF_CODE_NONE 0            // the key is missing
+#define GEOTIFF_CODE_NONE 0 // the key is missing
 #define GEOTIFF_CODE_USER_DEFINED 32767
 
 typedef enum GeotiffFormat { GEOTIFF_UINT, GEOTIFF_INT, GEOTIFF_FLOAT, GEOTIFF_OTHER } GeotiffFormat;
@@ -23,10 +23,10 @@ typedef struct GeotiffTags {
     double matrix[16];
 
     bool has_keys;
-    int model;       // 1 projected, 2 geographic, 3 geocentric
-    bool is_point;   // GTRasterType PixelIsPoint
+    int model;                                                           // 1 projected, 2 geographic, 3 geocentric
+    bool is_point;                                                       // GTRasterType PixelIsPoint
     int geographic, projected, vertical, vertical_datum, vertical_units; // EPSG codes, or GEOTIFF_CODE_*
-    char citation[80]; // printable, may be empty
+    char citation[80];                                                   // printable, may be empty
     // For user-defined codes, from their definition:
     bool defined_wgs84; // ellipsoid and prime meridian are WGS84's, angles degrees
     int defined_utm;    // EPSG code 326zz or 327zz; 0: not UTM

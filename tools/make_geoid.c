@@ -1,6 +1,6 @@
 // make_geoid IN.gtx OUT.pgm: the EGM96 grid of Debian's proj-data in the format that GeographicLib reads.
-// In: NOAA's GTX, a header of four big-endian doubles (south, west, step north, step east, degrees) and two integers (rows,
-// columns), then floats in metres, south first, from 180 W. Out: PGM of 16 bits, north first, from 0 E.
+// In: NOAA's GTX, a header of four big-endian doubles (south, west, step north, step east, degrees) and two integers
+// (rows, columns), then floats in metres, south first, from 180 W. Out: PGM of 16 bits, north first, from 0 E.
 #include <errno.h>
 #include <math.h>
 #include <stdint.h>
