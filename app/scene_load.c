@@ -1,5 +1,7 @@
+#define _POSIX_C_SOURCE 200809L
 #include "app/scene_load.h"
 
+#include "app/signals.h"
 #include "app/viewpoint.h"
 #include "base/log.h"
 #include "base/paths.h"
@@ -112,12 +114,21 @@ static Result create_terrain(const Options *options, World *world) {
     return result;
 }
 
+// Ctrl-C while loading ends the program; in flight the main thread takes it. Workers never do.
+static Result create_jobs(const Options *options, Jobs **out) {
+    sigset_t before;
+    signals_hold_all(&before);
+    Result result = jobs_create((int)options_integer(options, OPTION_THREADS), out);
+    signals_restore(&before);
+    return result;
+}
+
 Result world_load(const Options *options, World *out) {
     World world = {.scene = {.datum = -1, .voids = -1}};
     Result result = read_scene(options, &world.scene);
     if (result != RESULT_OK)
         goto fail;
-    result = jobs_create((int)options_integer(options, OPTION_THREADS), &world.jobs);
+    result = create_jobs(options, &world.jobs);
     if (result != RESULT_OK)
         goto fail;
     result = scene_open_geoid(options, &world.geoid);
@@ -167,6 +178,15 @@ Result world_viewpoint(const World *world, const Options *options, Viewpoint *ou
     }
     *out = view;
     return RESULT_OK;
+}
+
+Vec3d world_sun(const World *world, const Options *options, const Viewpoint *view) {
+    bool from_scene = world->scene.has_sun && !options_is_given(options, OPTION_SUN);
+    const double *sun = from_scene ? world->scene.sun : options_numbers(options, OPTION_SUN);
+    Viewpoint towards = *view;
+    towards.heading_deg = sun[0];
+    towards.pitch_deg = sun[1];
+    return viewpoint_forward(&towards);
 }
 
 double world_ellipsoid_m(const World *world, double lat_deg, double lon_deg, double alt_m) {

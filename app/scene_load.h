@@ -36,6 +36,8 @@ void world_unload(World *world);
 // --eye and --look, else the scene's start, else a three-quarter view of the highest relief computed from the terrain. An
 // eye given without a direction looks north, level.
 MUST_USE Result world_viewpoint(const World *world, const Options *options, Viewpoint *out);
+// Unit vector towards the sun at the viewpoint: --sun when given, else the scene's, else the default.
+Vec3d world_sun(const World *world, const Options *options, const Viewpoint *viewpoint);
 Vec3d world_viewpoint_ecef(const World *world, const Viewpoint *viewpoint);
 // Metres above the ellipsoid of an altitude above the geoid.
 double world_ellipsoid_m(const World *world, double lat_deg, double lon_deg, double alt_m);

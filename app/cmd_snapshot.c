@@ -1,0 +1,112 @@
+#include "app/command.h"
+#include "app/json.h"
+#include "app/picture.h"
+#include "app/picture_options.h"
+#include "app/pipeline.h"
+#include "app/scene_load.h"
+#include "app/flight_settings.h"
+#include "base/log.h"
+#include "terrain/geodesy.h"
+
+#include <stdio.h>
+
+typedef struct Snapshot {
+    const Options *options;
+    const char *output;
+    Context *context;
+    World world;
+    Viewpoint view;
+    Pipeline *pipeline;
+} Snapshot;
+
+static Result check_output(Snapshot *snapshot) {
+    snapshot->output = options_text(snapshot->options, OPTION_OUTPUT);
+    if (snapshot->output)
+        return picture_check_name(snapshot->output, "--output");
+    log_error("snapshot: expected where to write the picture: -o FILE.png");
+    return RESULT_USAGE;
+}
+
+static FrameOrder make_order(const Snapshot *snapshot) {
+    const Options *options = snapshot->options;
+    const double *size = options_numbers(options, OPTION_SIZE);
+    FrameOrder order = {.method = (LodMethod)options_choice(options, OPTION_METHOD),
+                        .view = world_lod_view(&snapshot->world, options, &snapshot->view),
+                        .width = (int)size[0],
+                        .height = (int)size[1]};
+    order.look = (RenderPacket){.sun_ecef = world_sun(&snapshot->world, options, &snapshot->view),
+                                .colouring = (RenderColouring)options_choice(options, OPTION_COLOUR),
+                                .wireframe = options_flag(options, OPTION_WIREFRAME),
+                                .magenta_background = options_flag(options, OPTION_MAGENTA)};
+    order.look.camera = (RenderCamera){.eye_ecef = order.view.eye_ecef,
+                                       .camera_from_ecef = viewpoint_camera(&snapshot->view),
+                                       .fov_y_rad = options_number(options, OPTION_FOV) * GEODESY_RAD_PER_DEG};
+    snprintf(order.picture, sizeof order.picture, "%s", snapshot->output);
+    return order;
+}
+
+static Result start_pipeline(Snapshot *snapshot) {
+    PipelineOptions pipeline = {.lod = scene_lod_options(snapshot->options),
+                                .render = picture_render_options(snapshot->options, &snapshot->world),
+                                .terrain = snapshot->world.terrain,
+                                .jobs = snapshot->world.jobs,
+                                .context = snapshot->context};
+    pipeline.render.measure_times = true;
+    return pipeline_create(&pipeline, &snapshot->pipeline);
+}
+
+static Result print_json(const Snapshot *snapshot) {
+    PipelineStats stats = pipeline_stats(snapshot->pipeline);
+    PipelineTimes times = pipeline_times(snapshot->pipeline);
+    const Viewpoint *view = &snapshot->view;
+    Json *json = json_create();
+    json_add_text(json, "file", snapshot->output);
+    json_add_text(json, "dem", terrain_dem(snapshot->world.terrain)->file);
+    json_add_numbers(json, "eye", (double[3]){view->lat_deg, view->lon_deg, view->alt_m}, 3);
+    json_add_numbers(json, "look", (double[2]){view->heading_deg, view->pitch_deg}, 2);
+    json_add_text(json, "method", lod_method_name(stats.method));
+    json_add_number(json, "tau_px", options_number(snapshot->options, OPTION_TAU));
+    json_add_number(json, "reached_px", stats.reached_px);
+    json_add_integer(json, "triangles", stats.lod.triangles);
+    json_add_integer(json, "patches", stats.lod.patches);
+    json_add_integer(json, "triangles_drawn", stats.render.triangles_drawn);
+    json_add_number(json, "refine_ms", times.refine.max);
+    json_add_number(json, "upload_ms", times.upload.max);
+    json_add_number(json, "draw_ms", times.draw.max);
+    json_add_text(json, "renderer", context_renderer_name(snapshot->context));
+    json_add_bool(json, "software", context_is_software(snapshot->context));
+    Result result = json_print(json);
+    json_destroy(&json);
+    return result;
+}
+
+static Result prepare(Snapshot *snapshot) {
+    ContextOptions context = picture_context_options(snapshot->options);
+    Result result = check_output(snapshot);
+    if (result == RESULT_OK)
+        result = context_create_offscreen(&context, &snapshot->context);
+    if (result == RESULT_OK)
+        result = world_load(snapshot->options, &snapshot->world);
+    if (result == RESULT_OK)
+        result = world_viewpoint(&snapshot->world, snapshot->options, &snapshot->view);
+    return result == RESULT_OK ? start_pipeline(snapshot) : result;
+}
+
+static Result take(Snapshot *snapshot) {
+    FrameOrder order = make_order(snapshot);
+    Result result = pipeline_submit(snapshot->pipeline, &order, true);
+    return result == RESULT_OK ? pipeline_stats(snapshot->pipeline).picture_failure : result;
+}
+
+Result cmd_snapshot(const Options *options) {
+    Snapshot snapshot = {.options = options};
+    Result result = prepare(&snapshot);
+    if (result == RESULT_OK)
+        result = take(&snapshot);
+    if (result == RESULT_OK && options_flag(options, OPTION_JSON))
+        result = print_json(&snapshot);
+    pipeline_destroy(&snapshot.pipeline);
+    world_unload(&snapshot.world);
+    context_destroy(&snapshot.context);
+    return result;
+}
