@@ -115,9 +115,9 @@ static void paint_plate(const HudPainter *painter, CanvasRect area, CanvasColour
 void hud_paint_message(const HudPainter *painter, const RenderHud *hud) {
     const HudLayout *layout = &painter->layout;
     if (hud->crashed)
-        paint_plate(painter, layout->note, HUD_WARN, "crashed \xE2\x80\x93 press Home to start again");
+        paint_plate(painter, layout->note, HUD_WARN, "crashed \xE2\x80\x93 back in the air in a moment");
     else if (hud->paused)
-        paint_plate(painter, layout->note, HUD_INK, "paused \xE2\x80\x93 press P to go on");
+        paint_plate(painter, layout->note, HUD_INK, "paused \xE2\x80\x93 press p to go on");
     if (hud->message && hud->message[0])
         paint_plate(painter, layout->message, HUD_INK, hud->message);
 }
