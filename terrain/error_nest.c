@@ -70,6 +70,8 @@ static void pack_task(void *user, int64_t begin, int64_t end, int worker) {
         float *out = packing->out + (size_t)j * packing->to->stride;
         for (int i = 0; i < packing->to->width; i++)
             out[i] = in[2 * i];
+        out[-1] = out[0];
+        out[packing->to->width] = out[packing->to->width - 1];
     }
 }
 
