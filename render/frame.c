@@ -1,5 +1,7 @@
 #include "render/frame.h"
 
+#include "terrain/geodesy.h"
+
 #include <string.h>
 
 static int64_t round_to_lattice(double metres) {
@@ -32,6 +34,55 @@ static void fill_planes(Frame *frame, const RenderCamera *camera, double fx, dou
     frame->planes[3] = vec3d_normalize(vec3d_mad(frame->forward, up, -fy));
 }
 
+static void put(float out[4], Vec3d v, double w) {
+    out[0] = (float)v.x;
+    out[1] = (float)v.y;
+    out[2] = (float)v.z;
+    out[3] = (float)w;
+}
+
+static void fill_rays(Frame *frame, const RenderCamera *camera, double fx, double fy, int height) {
+    put(frame->block.ray_right, vec3d_scale(row_of(&camera->camera_from_ecef, 0), 1.0 / fx), height * 0.5 * fy);
+    put(frame->block.ray_up, vec3d_scale(row_of(&camera->camera_from_ecef, 1), 1.0 / fy), 0.0);
+    put(frame->block.ray_ahead, frame->forward, 0.0);
+}
+
+Vec3d frame_round(Vec3d ecef) {
+    return (Vec3d){ecef.x, ecef.y, ecef.z * (GEODESY_A_M / GEODESY_B_M)};
+}
+
+// As shaders/atmosphere.glsl has them.
+#define RAYLEIGH_FALL_M 8000.0
+#define MIE_FALL_M 1300.0
+
+static void fill_air(Frame *frame) {
+    Vec3d eye = frame_round(frame->eye_ecef);
+    double radius = vec3d_length(eye);
+    double h_m = radius - GEODESY_A_M, above_m = fmax(h_m, 0.0);
+    frame->eye_h_m = h_m;
+    put(frame->block.eye_up, vec3d_normalize(eye), h_m * 1e-3);
+    put(frame->block.air,
+        vec3d(exp(-h_m / RAYLEIGH_FALL_M), exp(-h_m / MIE_FALL_M),
+              -sqrt(above_m * (2.0 * GEODESY_A_M + above_m)) / (GEODESY_A_M + above_m)),
+        0.0);
+}
+
+// What a camera would do about a low sun: open up, but less than the light fades.
+static double exposure_for(double mu_sun) {
+    double brightness = fmax(mu_sun + 0.10, 0.02) / 1.10;
+    return 11.0 * pow(brightness, -0.42);
+}
+
+void frame_set_sun(Frame *frame, Vec3d sun_ecef) {
+    Vec3d up = vec3d_normalize(frame_round(frame->eye_ecef)), sun = vec3d_normalize(frame_round(sun_ecef));
+    frame->mu_sun = vec3d_dot(sun, up);
+    Vec3d side = vec3d_mad(sun, up, -frame->mu_sun);
+    // A sun in the zenith has no azimuth; any serves.
+    side = vec3d_length(side) > 1e-6 ? vec3d_normalize(side) : vec3d_normalize(vec3d(-up.y, up.x, 1e-9));
+    put(frame->block.sun, sun_ecef, exposure_for(frame->mu_sun));
+    put(frame->block.sun_side, side, frame->mu_sun);
+}
+
 Frame frame_make(const RenderCamera *camera, int width, int height) {
     Frame frame;
     memset(&frame, 0, sizeof frame);
@@ -49,6 +100,8 @@ Frame frame_make(const RenderCamera *camera, int width, int height) {
     frame.block.viewport_px[3] = 1.0f / (float)height;
     fill_matrix(&frame.block, camera, fx, fy);
     fill_planes(&frame, camera, fx, fy);
+    fill_rays(&frame, camera, fx, fy, height);
+    fill_air(&frame);
     return frame;
 }
 

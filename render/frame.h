@@ -8,23 +8,43 @@
 #define FRAME_NEAR_M 0.5
 #define FRAME_BLOCK_BINDING 0
 
-// std140; every member is 16 bytes or a multiple.
+// std140; every member is 16 bytes or a multiple. "Round space" is ECEF with z stretched so that the ellipsoid is a
+// sphere: heights and horizons there are exact, distances within 0.4 %.
 typedef struct FrameBlock {
     float clip_from_eye[4][4]; // columns; from metres relative to the eye, ECEF axes
     float eye_rest_m[4];       // the eye minus its lattice point, metres, below half a lattice unit
     float viewport_px[4];      // width, height, 1 / width, 1 / height
+    float ray_right[4];        // a pixel looks along ahead + clip.x right + clip.y up, ECEF axes; w: pixels per radian
+    float ray_up[4];           // w: unused
+    float ray_ahead[4];        // w: unused
+    float sun[4];              // towards the sun, ECEF; w: exposure
+    float eye_up[4];           // up at the eye, round space; w: its height, km
+    float sun_side[4];         // horizontal unit vector towards the sun, round space; w: cosine of its zenith angle
+    float air[4];              // density of air and of haze at the eye, 1 at sea level; z: cosine of the horizon's
+                               // zenith angle; w: unused
+    float light_sun[2][4];     // irradiance at the data's middle, at sea level and at FRAME_LIGHT_M
+    float light_sky[2][4];
+    int32_t mode[4];           // RenderColouring; 1: flat colours without dithering, for tests; unused
 } FrameBlock;
-_Static_assert(sizeof(FrameBlock) == 64 + 2 * 16, "as shaders/frame.glsl has it");
+_Static_assert(sizeof(FrameBlock) == 64 + 14 * 16, "as shaders/frame.glsl has it");
+
+#define FRAME_LIGHT_M 4000.0
 
 typedef struct Frame {
     FrameBlock block;
-    GridPoint eye;       // rounded to the lattice
+    GridPoint eye;     // rounded to the lattice
     Vec3d eye_ecef;
-    Vec3d planes[4];     // inward unit normals of the sides of the view, through the eye: left, right, bottom, top
-    Vec3d forward;       // unit
+    Vec3d planes[4];   // inward unit normals of the sides of the view, through the eye: left, right, bottom, top
+    Vec3d forward;     // unit
+    double eye_h_m;    // above the ellipsoid, in round space
+    double mu_sun;     // cosine of the sun's zenith angle at the eye, round space
 } Frame;
 
 Frame frame_make(const RenderCamera *camera, int width, int height);
+// The parts of the block that tell of sun and air.
+void frame_set_sun(Frame *frame, Vec3d sun_ecef);
+// Into round space.
+Vec3d frame_round(Vec3d ecef);
 
 // Whether a sphere may be seen.
 bool frame_sees_sphere(const Frame *frame, Vec3d centre_ecef, double radius_m);

@@ -3,10 +3,11 @@
 #include "base/log.h"
 #include "render/gl.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { ATTRIBUTE_VERTEX, ATTRIBUTE_SAMPLE, ATTRIBUTE_LO, ATTRIBUTE_HI, ATTRIBUTE_INFO };
+enum { ATTRIBUTE_VERTEX, ATTRIBUTE_SAMPLE, ATTRIBUTE_LO, ATTRIBUTE_HI, ATTRIBUTE_INFO, ATTRIBUTE_PHASE };
 enum { BINDING_VERTICES, BINDING_INSTANCES };
 
 #define STATE_UPLOADED 2u // beyond LodItemState: the page came in this frame
@@ -34,8 +35,9 @@ typedef struct Instance {
     int32_t lo[3], col0;
     int32_t hi[3], row0;
     uint32_t info;
+    float noise_phase[2];
 } Instance;
-_Static_assert(sizeof(Instance) == 36, "attribute offsets below");
+_Static_assert(sizeof(Instance) == 44, "attribute offsets below");
 
 typedef struct Visible {
     double distance_m;
@@ -51,6 +53,7 @@ struct TerrainPass {
     Instance *instances;
     int32_t capacity, placed_count, visible_count;
     int64_t triangles;
+    double noise_repeats[2]; // per column and row
     bool over_budget; // since when it has been said
 };
 
@@ -60,19 +63,22 @@ static void describe_attributes(GLuint vertex_array) {
     glVertexArrayAttribIFormat(vertex_array, ATTRIBUTE_LO, 4, GL_INT, offsetof(Instance, lo));
     glVertexArrayAttribIFormat(vertex_array, ATTRIBUTE_HI, 4, GL_INT, offsetof(Instance, hi));
     glVertexArrayAttribIFormat(vertex_array, ATTRIBUTE_INFO, 1, GL_UNSIGNED_INT, offsetof(Instance, info));
-    for (GLuint i = ATTRIBUTE_VERTEX; i <= ATTRIBUTE_INFO; i++) {
+    glVertexArrayAttribFormat(vertex_array, ATTRIBUTE_PHASE, 2, GL_FLOAT, GL_FALSE, offsetof(Instance, noise_phase));
+    for (GLuint i = ATTRIBUTE_VERTEX; i <= ATTRIBUTE_PHASE; i++) {
         glEnableVertexArrayAttrib(vertex_array, i);
         glVertexArrayAttribBinding(vertex_array, i, i <= ATTRIBUTE_SAMPLE ? BINDING_VERTICES : BINDING_INSTANCES);
     }
     glVertexArrayBindingDivisor(vertex_array, BINDING_INSTANCES, 1);
 }
 
-Result terrain_pass_create(TerrainPass **out) {
+Result terrain_pass_create(const double noise_repeats[2], TerrainPass **out) {
     TerrainPass *pass = calloc(1, sizeof *pass);
     if (!pass) {
         log_error("out of memory for the terrain pass");
         return RESULT_MEMORY;
     }
+    pass->noise_repeats[0] = noise_repeats[0];
+    pass->noise_repeats[1] = noise_repeats[1];
     glCreateVertexArrays(1, &pass->vertex_array);
     glCreateBuffers(1, &pass->commands_buffer);
     glCreateBuffers(1, &pass->instances_buffer);
@@ -191,13 +197,21 @@ static void find_visible(TerrainPass *pass, const Frame *frame) {
     qsort(pass->visible, (size_t)pass->visible_count, sizeof *pass->visible, compare_distance);
 }
 
-static Instance instance_of(const Placed *placed, const Frame *frame) {
+// Whole repeats are dropped here, in double, so that what remains is exact to a millimetre.
+static float phase_of(int32_t sample, double repeats_per_sample) {
+    double repeats = sample * repeats_per_sample;
+    return (float)(repeats - floor(repeats));
+}
+
+static Instance instance_of(const TerrainPass *pass, const Placed *placed, const Frame *frame) {
     FrameOffset offset = frame_offset(frame, placed->origin);
     return (Instance){.lo = {offset.lo[0], offset.lo[1], offset.lo[2]},
                       .col0 = placed->col0,
                       .hi = {offset.hi[0], offset.hi[1], offset.hi[2]},
                       .row0 = placed->row0,
-                      .info = placed->info};
+                      .info = placed->info,
+                      .noise_phase = {phase_of(placed->col0, pass->noise_repeats[0]),
+                                      phase_of(placed->row0, pass->noise_repeats[1])}};
 }
 
 static void fill_lists(TerrainPass *pass, const Frame *frame) {
@@ -209,7 +223,7 @@ static void fill_lists(TerrainPass *pass, const Frame *frame) {
                                           .first_index = placed->place.first_index,
                                           .base_vertex = placed->place.base_vertex,
                                           .base_instance = (uint32_t)i};
-        pass->instances[i] = instance_of(placed, frame);
+        pass->instances[i] = instance_of(pass, placed, frame);
         pass->triangles += placed->index_count / 3;
     }
 }

@@ -7,7 +7,8 @@
 
 typedef struct TerrainPass TerrainPass;
 
-MUST_USE Result terrain_pass_create(TerrainPass **out);
+// `noise_repeats`: of the ground's noise, per column and per row.
+MUST_USE Result terrain_pass_create(const double noise_repeats[2], TerrainPass **out);
 void terrain_pass_destroy(TerrainPass **pass);
 
 // Brings the packet's patches into the cache and lists those that can be seen, nearest first. When the cut does not

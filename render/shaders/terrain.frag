@@ -1,16 +1,96 @@
 #version 450 core
-// Terrain patches. In: see terrain.vert. Out: the picture, display-referred.
+// Terrain patches: the land and its water under sun and sky, through the air. In: see terrain.vert.
+// Out: the picture as displayed. Bindings: blocks 0, 1; textures 0-4 (ground.glsl), 8-9 (aerial.glsl), 10 the drape.
+// Defines: HOLES (voids are not drawn), DRAPE (an image lies on the land).
 #include "frame.glsl"
+#include "ground.glsl"
+#include "aerial.glsl"
+#include "land.glsl"
+#include "water.glsl"
+#include "tone.glsl"
+#include "tint.glsl"
+#include "drape.glsl"
 
 layout(location = 0) in vec3 at_m;
-layout(location = 1) in vec2 at_sample;
+layout(location = 1) in vec4 at_ground;
 layout(location = 2) flat in uint info;
 
 layout(location = 0) out vec4 colour;
 
+struct Local { // unit vectors in ECEF
+    vec3 east, north, up;
+};
+
+Local local_frame(vec3 eye_to_point) {
+    // The direction of the sphere's radius in round space, stretched once more, is the ellipsoid's normal.
+    vec3 radius = frame.eye_up.xyz * (EARTH_KM + frame.eye_up.w) * 1e3 + eye_to_point * ROUND;
+    Local local;
+    local.up = normalize(radius * ROUND);
+    local.east = normalize(vec3(-local.up.y, local.up.x + 1e-9, 0.0));
+    local.north = cross(local.up, local.east);
+    return local;
+}
+
+vec3 to_local(Local local, vec3 v) {
+    return vec3(dot(local.east, v), dot(local.north, v), dot(local.up, v));
+}
+
+// 1 in the sun, 0 in the shadow of the ground further off.
+float sun_visible(vec2 uv, vec3 sun) {
+    float root = texture(shade_map, uv).r;
+    float tangent = 2.0 * root * root, sun_tangent = sun.z / max(length(sun.xy), 1e-3);
+    return smoothstep(tangent - 0.035, tangent + 0.035, sun_tangent);
+}
+
 void main() {
-    vec3 normal = normalize(cross(dFdx(at_m), dFdy(at_m)));
-    float level = float(info & 0xffu);
-    vec3 tint = 0.5 + 0.5 * cos(6.2832 * (level * 0.618 + vec3(0.0, 0.33, 0.67)));
-    colour = vec4(tint * (0.4 + 0.6 * abs(normal.z)), 1.0);
+#ifdef HOLES
+    if (texture(hole_map, at_ground.xy * ground.texel.xy + ground.texel.zw).r > 0.5)
+        discard;
+#endif
+    vec2 uv = at_ground.xy * ground.texel.xy + ground.texel.zw;
+    vec4 cell = texture(surface_map, uv);
+    float h_m = texture(height_map, uv).r * ground.height.x + ground.height.y;
+    vec4 coarse = texture(noise_map, at_ground.zw);
+    vec4 middle = texture(noise_map, at_ground.zw * 13.0);
+    vec4 fine = texture(noise_map, at_ground.zw * 211.0);
+
+    Local local = local_frame(at_m);
+    vec3 sun = to_local(local, frame.sun.xyz);
+    vec3 normal = decode_normal(cell.rg);
+    Land land = land_at(h_m, 1.0 - normal.z, normal.y, cell.b, land_lines_m(local.up.z), coarse, middle, fine);
+#ifdef DRAPE
+    land.albedo = drape_over(land.albedo, at_ground.xy, middle.r + fine.r - 1.0);
+#endif
+    if (frame.mode.x != COLOUR_LAND)
+        land.albedo = tint_of(info);
+
+    vec2 bump = (middle.gb * 2.0 - 1.0) * 0.16 + (fine.gb * 2.0 - 1.0) * 0.22;
+    vec3 lit_normal = normalize(normal + vec3(bump.x, -bump.y, 0.0) * land.rough * normal.z);
+
+    float high = clamp(h_m / 4000.0, 0.0, 1.5);
+    vec3 sun_light = mix(frame.light_sun[0].rgb, frame.light_sun[1].rgb, high);
+    vec3 sky_light = mix(frame.light_sky[0].rgb, frame.light_sky[1].rgb, high);
+    float lit = sun_visible(uv, sun) * smoothstep(-0.03, 0.03, sun.z);
+    float open_sky = cell.b * (0.5 + 0.5 * lit_normal.z);
+    vec3 direct = sun_light * max(dot(lit_normal, sun), 0.0) * lit;
+    // Light from the ground around, as bright as the ground itself on average.
+    vec3 bounced = land.albedo * (sun_light * max(sun.z, 0.0) + sky_light) * (1.0 - 0.8 * cell.b) * 0.5;
+    vec3 radiance = land.albedo / PI * (direct + sky_light * open_sky + bounced);
+
+    vec3 round_m = at_m * ROUND;
+    float metres = length(round_m);
+    vec3 direction = round_m / metres;
+    float water = smoothstep(0.40, 0.60, cell.a);
+    if (water > 0.0 && frame.mode.x == COLOUR_LAND) {
+        vec3 waves = normalize(vec3((middle.gb - 0.5) * 0.05 + (fine.gb - 0.5) * 0.07, 1.0));
+        vec3 to_eye = -to_local(local, normalize(at_m));
+        vec3 up_direction = reflect(direction, normalize(local.up * ROUND));
+        vec3 mirrored = textureLod(sky_radiance, sky_coordinates(up_direction), 0.0).rgb;
+        float shallow = 1.0 - smoothstep(0.5, 1.0, textureLod(surface_map, uv, 3.0).a);
+        vec3 deep = mix(vec3(0.006, 0.022, 0.038), vec3(0.020, 0.075, 0.075), shallow);
+        vec3 body = deep * (sun_light * max(sun.z, 0.0) * lit + sky_light) / PI;
+        radiance = mix(radiance, water_light(waves, to_eye, sun, body, mirrored, sun_light * lit, 0.6), water);
+    }
+    Aerial aerial = aerial_to(direction, metres, height_km(round_m));
+    colour = display(radiance * aerial.passes + aerial.light);
 }

@@ -1,0 +1,70 @@
+#include "render/drape_place.h"
+
+#include "base/log.h"
+#include "terrain/geo.h"
+#include "terrain/geotiff_tags.h"
+
+#include <math.h>
+
+enum { MODEL_PROJECTED = 1, MODEL_GEOGRAPHIC = 2 };
+enum { EPSG_WGS84 = 4326, EPSG_UTM_NORTH = 32600, EPSG_UTM_SOUTH = 32700 };
+
+static bool utm_from_code(int code, DrapePlace *place) {
+    int zone = code % 100;
+    place->utm = true;
+    place->zone = zone;
+    place->zone_north = code / 100 * 100 == EPSG_UTM_NORTH;
+    return (place->zone_north || code / 100 * 100 == EPSG_UTM_SOUTH) && zone >= 1 && zone <= 60;
+}
+
+static bool place_from_tags(const GeotiffTags *tags, DrapePlace *place) {
+    if (!tags->has_keys || !tags->has_scale || tags->tie_count < 1 || tags->scale[0] <= 0.0 || tags->scale[1] <= 0.0)
+        return false;
+    double shift = tags->is_point ? 0.5 : 0.0; // the tie is a pixel's centre: half a pixel out
+    place->west = tags->tie[3] - (tags->tie[0] + shift) * tags->scale[0];
+    place->north = tags->tie[4] + (tags->tie[1] + shift) * tags->scale[1];
+    place->across = tags->width * tags->scale[0];
+    place->down = tags->height * tags->scale[1];
+    if (tags->model == MODEL_GEOGRAPHIC)
+        return tags->geographic == EPSG_WGS84 || tags->defined_wgs84;
+    return tags->model == MODEL_PROJECTED &&
+           utm_from_code(tags->defined_utm ? tags->defined_utm : tags->projected, place);
+}
+
+static Result place_from_bounds(const RenderOptions *options, DrapePlace *out) {
+    double across = options->image_east_deg - options->image_west_deg;
+    double down = options->image_north_deg - options->image_south_deg;
+    // Written so that a NaN fails too.
+    if (!(across > 0.0 && across <= 360.0 && down > 0.0 && down <= 180.0)) {
+        log_error("%s: bounds west %g, south %g, east %g, north %g: east must lie east of west and north above south",
+                  options->image_path, options->image_west_deg, options->image_south_deg, options->image_east_deg,
+                  options->image_north_deg);
+        return RESULT_RANGE;
+    }
+    *out = (DrapePlace){
+        .west = options->image_west_deg, .north = options->image_north_deg, .across = across, .down = down};
+    return RESULT_OK;
+}
+
+Result drape_place_find(const RenderOptions *options, DrapePlace *out) {
+    if (options->image_bounds_given)
+        return place_from_bounds(options, out);
+    GeotiffTags tags;
+    *out = (DrapePlace){0};
+    if (geotiff_read_tags(options->image_path, &tags) == RESULT_OK && place_from_tags(&tags, out))
+        return RESULT_OK;
+    log_error("%s: no georeference in WGS84 degrees or UTM; give the bounds of the image, or write one into it: "
+              "gdalwarp -t_srs EPSG:4326 %s out.tif",
+              options->image_path, options->image_path);
+    return RESULT_UNSUPPORTED;
+}
+
+bool drape_place_locate(const DrapePlace *place, double lat_deg, double lon_deg, double near_lon_deg, double *u,
+                        double *v) {
+    double x = near_lon_deg + remainder(lon_deg - near_lon_deg, 360.0), y = lat_deg;
+    if (place->utm && geo_utm_forward(place->zone, place->zone_north, lat_deg, lon_deg, &x, &y) != RESULT_OK)
+        return false;
+    *u = (x - place->west) / place->across;
+    *v = (place->north - y) / place->down;
+    return true;
+}

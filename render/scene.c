@@ -1,0 +1,213 @@
+#include "render/scene.h"
+
+#include "base/log.h"
+#include "render/atmosphere.h"
+#include "render/drape.h"
+#include "render/gl.h"
+#include "render/ground.h"
+#include "render/patch_cache.h"
+#include "render/shader.h"
+#include "render/terrain_pass.h"
+#include "terrain/geodesy.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+// As shaders/aerial.glsl has them.
+enum { UNIT_SKY_RADIANCE = 8, UNIT_SKY_SOURCE = 9 };
+
+struct Scene {
+    PatchCache *cache;
+    TerrainPass *terrain_pass;
+    Atmosphere *atmosphere;
+    Ground *ground;
+    Drape *drape; // NULL: no image
+    GLuint land_program, sky_program, wire_program; // wire: 0 until it is called for
+    GLuint frame_buffer;                            // uniform block
+    GLuint empty_array;                             // for draws without attributes
+    char defines[64];
+    Frame frame;
+};
+
+static Result create_programs(Scene *scene) {
+    const ShaderSpec land = {.stages = {"terrain.vert", "terrain.frag"}, .defines = scene->defines};
+    const ShaderSpec sky = {.stages = {"fullscreen.vert", "sky.frag"}, .defines = scene->defines};
+    Result result = shader_create_program(&land, &scene->land_program);
+    return result == RESULT_OK ? shader_create_program(&sky, &scene->sky_program) : result;
+}
+
+static Result create_terrain_pass(Scene *scene) {
+    double noise_repeats[2];
+    ground_noise_repeats(scene->ground, noise_repeats);
+    return terrain_pass_create(noise_repeats, &scene->terrain_pass);
+}
+
+static Result create_parts(Scene *scene, const RenderOptions *options, const Terrain *terrain, bool software) {
+    Result result = patch_cache_create(options->vram_bytes_max, &scene->cache);
+    if (result == RESULT_OK)
+        result = ground_create(terrain, software, &scene->ground);
+    if (result == RESULT_OK && options->image_path)
+        result = drape_create(options, terrain, software, &scene->drape);
+    if (result == RESULT_OK)
+        result = create_terrain_pass(scene);
+    if (result == RESULT_OK)
+        result = atmosphere_create(&scene->atmosphere);
+    if (result != RESULT_OK)
+        return result;
+    snprintf(scene->defines, sizeof scene->defines, "%s%s", ground_has_holes(scene->ground) ? "HOLES " : "",
+             scene->drape ? "DRAPE" : "");
+    glCreateVertexArrays(1, &scene->empty_array);
+    glCreateBuffers(1, &scene->frame_buffer);
+    glNamedBufferStorage(scene->frame_buffer, sizeof(FrameBlock), NULL, GL_DYNAMIC_STORAGE_BIT);
+    return create_programs(scene);
+}
+
+Result scene_create(const RenderOptions *options, const Terrain *terrain, bool software, Scene **out) {
+    Scene *scene = calloc(1, sizeof *scene);
+    if (!scene) {
+        log_error("out of memory for the picture");
+        return RESULT_MEMORY;
+    }
+    Result result = create_parts(scene, options, terrain, software);
+    if (result != RESULT_OK) {
+        scene_destroy(&scene);
+        return result;
+    }
+    *out = scene;
+    return RESULT_OK;
+}
+
+void scene_destroy(Scene **scene) {
+    Scene *self = *scene;
+    if (!self)
+        return;
+    patch_cache_destroy(&self->cache);
+    terrain_pass_destroy(&self->terrain_pass);
+    atmosphere_destroy(&self->atmosphere);
+    ground_destroy(&self->ground);
+    drape_destroy(&self->drape);
+    glDeleteProgram(self->land_program);
+    glDeleteProgram(self->sky_program);
+    glDeleteProgram(self->wire_program);
+    glDeleteBuffers(1, &self->frame_buffer);
+    glDeleteVertexArrays(1, &self->empty_array);
+    free(self);
+    *scene = NULL;
+}
+
+static void put_light(float out[4], Vec3f light) {
+    out[0] = light.x;
+    out[1] = light.y;
+    out[2] = light.z;
+    out[3] = 0.0f;
+}
+
+// The light at the middle of the data stands for all of it; its change over a few degrees is small.
+static void set_light(Scene *scene, Vec3d sun_ecef) {
+    Vec3d up = vec3d_normalize(frame_round(ground_middle_ecef(scene->ground)));
+    double mu_sun = vec3d_dot(up, vec3d_normalize(frame_round(sun_ecef)));
+    for (int i = 0; i < 2; i++) {
+        AtmosphereLight light = atmosphere_light(scene->atmosphere, i * FRAME_LIGHT_M, mu_sun);
+        put_light(scene->frame.block.light_sun[i], light.sun);
+        put_light(scene->frame.block.light_sky[i], light.sky);
+    }
+}
+
+Result scene_prepare(Scene *scene, const RenderPacket *packet, int width, int height) {
+    scene->frame = frame_make(&packet->camera, width, height);
+    frame_set_sun(&scene->frame, packet->sun_ecef);
+    set_light(scene, packet->sun_ecef);
+    scene->frame.block.mode[0] = (int32_t)packet->colouring;
+    scene->frame.block.mode[1] = packet->magenta_background;
+    ground_follow_sun(scene->ground, packet->sun_ecef);
+    patch_cache_begin_frame(scene->cache);
+    return terrain_pass_prepare(scene->terrain_pass, scene->cache, &scene->frame, &packet->cut);
+}
+
+static void set_state(unsigned framebuffer, int width, int height) {
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    glViewport(0, 0, width, height);
+    glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_GREATER);
+    glDepthMask(GL_TRUE);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glEnable(GL_CULL_FACE);
+    glCullFace(GL_BACK);
+    glFrontFace(GL_CCW);
+    glDisable(GL_BLEND);
+    glDisable(GL_SCISSOR_TEST);
+    glDisable(GL_STENCIL_TEST);
+    glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+    glClearColor(1.0f, 0.0f, 1.0f, 1.0f); // seen where nothing is drawn, which the pinhole test counts
+    glClearDepth(0.0);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+}
+
+static void bind_inputs(const Scene *scene) {
+    ground_bind(scene->ground);
+    if (scene->drape)
+        drape_bind(scene->drape);
+    glBindTextureUnit(UNIT_SKY_RADIANCE, atmosphere_radiance(scene->atmosphere));
+    glBindTextureUnit(UNIT_SKY_SOURCE, atmosphere_source(scene->atmosphere));
+    glNamedBufferSubData(scene->frame_buffer, 0, sizeof scene->frame.block, &scene->frame.block);
+    glBindBufferBase(GL_UNIFORM_BUFFER, FRAME_BLOCK_BINDING, scene->frame_buffer);
+}
+
+// Where no terrain is: depth is still that of infinity.
+static void draw_sky(const Scene *scene) {
+    glDepthFunc(GL_EQUAL);
+    glDepthMask(GL_FALSE);
+    glUseProgram(scene->sky_program);
+    glBindVertexArray(scene->empty_array);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glBindVertexArray(0);
+    glDepthMask(GL_TRUE);
+}
+
+static bool have_wire_program(Scene *scene) {
+    const ShaderSpec wire = {.stages = {"terrain.vert", "wire.frag"}};
+    if (!scene->wire_program && shader_create_program(&wire, &scene->wire_program) != RESULT_OK)
+        scene->wire_program = 0;
+    return scene->wire_program != 0;
+}
+
+// Lines a little nearer than the triangles they bound.
+static void draw_wire(Scene *scene) {
+    if (!have_wire_program(scene))
+        return;
+    glDepthFunc(GL_GEQUAL);
+    glDepthMask(GL_FALSE);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+    glEnable(GL_POLYGON_OFFSET_LINE);
+    glPolygonOffset(0.5f, 8.0f);
+    glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+    glUseProgram(scene->wire_program);
+    terrain_pass_draw(scene->terrain_pass, scene->cache);
+    glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+    glDisable(GL_POLYGON_OFFSET_LINE);
+    glDisable(GL_BLEND);
+    glDepthMask(GL_TRUE);
+}
+
+void scene_draw(Scene *scene, const RenderPacket *packet, unsigned framebuffer, int width, int height) {
+    atmosphere_update(scene->atmosphere, scene->frame.eye_h_m, scene->frame.mu_sun);
+    set_state(framebuffer, width, height);
+    bind_inputs(scene);
+    glUseProgram(scene->land_program);
+    terrain_pass_draw(scene->terrain_pass, scene->cache);
+    if (!packet->magenta_background)
+        draw_sky(scene);
+    if (packet->wireframe)
+        draw_wire(scene);
+    patch_cache_end_frame(scene->cache);
+}
+
+void scene_count(const Scene *scene, RenderStats *stats) {
+    PatchCacheStats cache = patch_cache_stats(scene->cache);
+    terrain_pass_count(scene->terrain_pass, stats);
+    stats->upload_bytes = cache.upload_bytes;
+    stats->evictions = cache.evictions;
+    stats->vram_bytes = cache.used_bytes;
+}

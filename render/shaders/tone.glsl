@@ -1,0 +1,19 @@
+// From radiance to what a screen shows.
+// Units: radiance relative to the sun's irradiance in; 0 .. 1 with the sRGB curve out.
+#include "frame.glsl"
+
+// Half a step of the screen's 255, differently for each pixel: gradients without bands.
+float dither(vec2 pixel) {
+    return (fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715)))) - 0.5) / 255.0;
+}
+
+// A film's shoulder and foot (K. Narkowicz's fit to the Academy's curve).
+vec3 film(vec3 x) {
+    return clamp((x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14), 0.0, 1.0);
+}
+
+vec4 display(vec3 radiance) {
+    const vec3 WHITE = vec3(0.96, 1.0, 1.09); // a camera's balance for sunlight
+    vec3 shown = pow(film(radiance * WHITE * frame.sun.w), vec3(1.0 / 2.2));
+    return vec4(shown + (frame.mode.y == 0 ? dither(gl_FragCoord.xy) : 0.0), 1.0);
+}
