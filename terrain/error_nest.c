@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define ROWS_AT_A_TIME 16
-#define ROW_PAD 16 // entries before and after each row buffer
+#define BLOCK_ROWS 16 // even
+#define ROW_PAD 16    // entries before and after each row buffer
 
 typedef uint32_t __attribute__((may_alias)) Pair; // two neighbouring 16-bit codes
 
@@ -19,11 +19,12 @@ typedef struct Heights {
     int width, height;
 } Heights;
 
-typedef struct Rows { // one worker's buffers, each ROW_PAD + width + ROW_PAD long; pointers are past the pad
-    float *above, *here, *below;     // copies of border rows, where a neighbour would be read outside the samples
-    float *upper, *lower;            // heights of the finer plane's centres, entry i at column (i + 1/2) step
-    uint16_t *own;                   // codes of own errors
-    uint16_t *children, *reach;      // folded codes
+typedef struct Rows {            // one worker's buffers, each ROW_PAD + width + ROW_PAD long; pointers are past the pad
+    float *above, *here, *below; // copies of border rows, where a neighbour would be read outside the samples
+    float *upper, *lower;        // heights of the finer plane's centres, entry i at column (i + 1/2) step
+    uint16_t *own;               // codes of own errors
+    uint16_t *children, *reach;  // folded codes; 0 in the finest plane, where there are no children
+    uint16_t *delta, *radius;    // a copy of a plane row
 } Rows;
 
 typedef struct Pass {
@@ -47,8 +48,8 @@ static const float *height_row(const Heights *heights, int j, float *buffer) {
     return buffer;
 }
 
-// Heights of the finer centres on finer row `j`, for entries -1 .. width - 1 of this plane. Where there is no centre the
-// neighbour's height stands in: it asks for nothing that the neighbour does not.
+// Heights of the finer centres on finer row `j`, for entries -1 .. width - 1 of this plane. Where there is no centre
+// the neighbour's height stands in: it asks for nothing that the neighbour does not.
 static void load_centre_heights(const Heights *finer, int j, int width, float *out) {
     const float *in = finer->entries + (size_t)j * finer->stride;
     for (int i = 0; i < width - 1; i++)
@@ -76,7 +77,8 @@ static void pack_task(void *user, int64_t begin, int64_t end, int worker) {
 }
 
 // heights[0] is the samples; the others share one block, which the caller frees.
-static Result pack_heights(const ErrorWork *work, Jobs *jobs, const ErrorField *field, Heights *heights, float **block) {
+static Result pack_heights(const ErrorWork *work, Jobs *jobs, const ErrorField *field, Heights *heights,
+                           float **block) {
     size_t entries = 2 * ROW_PAD;
     for (int k = 1; k < field->plane_count; k++)
         entries += ((size_t)field->planes[k].width + ROW_PAD) * (size_t)field->planes[k].height;
@@ -102,16 +104,16 @@ static void own_horizontal(const float *restrict here, float sag, int width, uin
 }
 
 SIMD_CLONES
-static void own_vertical(const float *restrict above, const float *restrict here, const float *restrict below, float sag,
-                         int width, uint16_t *restrict own) {
+static void own_vertical(const float *restrict above, const float *restrict here, const float *restrict below,
+                         float sag, int width, uint16_t *restrict own) {
     for (int i = 0; i < width; i++)
         own[i] = error_field_encode(error_midpoint(here[i], above[i], below[i]) + sag);
 }
 
 // Odd entries of row j; the hypotenuse turns with i/2 + j/2.
 SIMD_CLONES
-static void own_diagonal(const float *restrict above, const float *restrict here, const float *restrict below, float sag,
-                         int j, int width, uint16_t *restrict own) {
+static void own_diagonal(const float *restrict above, const float *restrict here, const float *restrict below,
+                         float sag, int j, int width, uint16_t *restrict own) {
     int turn = j >> 1;
     for (int i = 0; i < width; i++) {
         float falling = error_midpoint(here[i], above[i - 1], below[i + 1]);
@@ -124,11 +126,10 @@ static inline uint16_t larger(uint16_t a, uint16_t b) {
     return a > b ? a : b;
 }
 
-// Edge midpoints: children are the finer plane's centres. `up` and `down` are rows of the finer plane; as pairs of entries,
-// pair i holds in its upper half the centre at column (i + 1/2).
+// Edge midpoints: children are the finer plane's centres. `up` and `down` are rows of the finer plane; as pairs of
+// entries, pair i holds in its upper half the centre at column (i + 1/2).
 SIMD_CLONES
-static void fold_centres(const Pair *restrict up, const Pair *restrict down, int width,
-                         uint16_t *restrict folded) {
+static void fold_centres(const Pair *restrict up, const Pair *restrict down, int width, uint16_t *restrict folded) {
     for (int i = 0; i < width; i++) {
         uint16_t west = larger((uint16_t)(up[i - 1] >> 16), (uint16_t)(down[i - 1] >> 16));
         uint16_t east = larger((uint16_t)(up[i] >> 16), (uint16_t)(down[i] >> 16));
@@ -156,10 +157,10 @@ SIMD_CLONES
 static void store_edges(const uint16_t *restrict own, const uint16_t *restrict children, const uint16_t *restrict reach,
                         int odd, int width, uint16_t *restrict delta, uint16_t *restrict radius) {
     for (int i = 0; i < width; i++) {
-        uint16_t mask = (uint16_t)-((i & 1) == odd);
+        uint16_t mask = (uint16_t) - ((i & 1) == odd);
         uint16_t most = larger(larger(own[i], children[i]), delta[i]);
         delta[i] = (uint16_t)((most & mask) | (delta[i] & (uint16_t)~mask));
-        radius[i] = (uint16_t)(reach[i] & mask & (uint16_t)-(most != ERROR_FIELD_ALWAYS));
+        radius[i] = (uint16_t)(reach[i] & mask & (uint16_t) - (most != ERROR_FIELD_ALWAYS));
     }
 }
 
@@ -178,9 +179,9 @@ static void store_centres(const float *restrict above, const float *restrict her
         float c = error_reach(h, here[i - 1], reach2, radius_here[i - 1]);
         float d = error_reach(h, here[i + 1], reach2, radius_here[i + 1]);
         float ab = a > b ? a : b, cd = c > d ? c : d;
-        uint16_t mask = (uint16_t)-(i & 1);
+        uint16_t mask = (uint16_t) - (i & 1);
         most = larger(larger(own[i], most), delta_here[i]);
-        uint16_t reach = (uint16_t)(error_field_encode(ab > cd ? ab : cd) & (uint16_t)-(most != ERROR_FIELD_ALWAYS));
+        uint16_t reach = (uint16_t)(error_field_encode(ab > cd ? ab : cd) & (uint16_t) - (most != ERROR_FIELD_ALWAYS));
         delta[i] = (uint16_t)((most & mask) | (delta_here[i] & (uint16_t)~mask));
         radius[i] = (uint16_t)((reach & mask) | (radius_here[i] & (uint16_t)~mask));
     }
@@ -244,28 +245,38 @@ static void centre_row(const Pass *pass, int j, Rows *rows) {
     else
         own_diagonal(above, here, below, pass->terms[j].centre_sag, j, width, rows->own);
     // The row is copied: its edge midpoints are read at i - 1 and i + 1 while its centres are written.
-    memcpy(rows->children - 1, plane->delta + at - 1, sizeof *rows->children * ((size_t)width + 2));
-    memcpy(rows->reach - 1, plane->radius + at - 1, sizeof *rows->reach * ((size_t)width + 2));
+    memcpy(rows->delta - 1, plane->delta + at - 1, sizeof *rows->delta * ((size_t)width + 2));
+    memcpy(rows->radius - 1, plane->radius + at - 1, sizeof *rows->radius * ((size_t)width + 2));
     store_centres(above, here, below, rows->own, plane->delta + up, plane->delta + down, plane->radius + up,
-                  plane->radius + down, rows->children, rows->reach, pass->terms[j].centre_reach2, width,
+                  plane->radius + down, rows->delta, rows->radius, pass->terms[j].centre_reach2, width,
                   plane->delta + at, plane->radius + at);
 }
 
-static void edge_task(void *user, int64_t begin, int64_t end, int worker) {
+// Rows are worked on in blocks that stay in the cache: first a block's edge midpoints, then those of its centres whose
+// rows above and below lie in the block. The last centre row of a block waits for the edge midpoints of the next.
+static void block_task(void *user, int64_t begin, int64_t end, int worker) {
     const Pass *pass = user;
-    for (int64_t j = begin; j < end; j++)
-        edge_row(pass, (int)j, &pass->rows[worker]);
+    Rows *rows = &pass->rows[worker];
+    for (int64_t block = begin; block < end; block++) {
+        int first = (int)block * BLOCK_ROWS, last = first + BLOCK_ROWS, height = pass->plane->height;
+        if (last > height)
+            last = height;
+        for (int j = first; j < last; j++)
+            edge_row(pass, j, rows);
+        for (int j = first + 1; j + 1 < last || (j < last && last == height); j += 2)
+            centre_row(pass, j, rows);
+    }
 }
 
-static void centre_task(void *user, int64_t begin, int64_t end, int worker) {
+static void seam_task(void *user, int64_t begin, int64_t end, int worker) {
     const Pass *pass = user;
-    for (int64_t k = begin; k < end; k++)
-        centre_row(pass, 2 * (int)k + 1, &pass->rows[worker]);
+    for (int64_t block = begin; block < end; block++)
+        centre_row(pass, (int)(block + 1) * BLOCK_ROWS - 1, &pass->rows[worker]);
 }
 
 static void cut_rows(unsigned char *memory, size_t entries, Rows *rows) {
     float **floats[] = {&rows->above, &rows->here, &rows->below, &rows->upper, &rows->lower};
-    uint16_t **shorts[] = {&rows->own, &rows->children, &rows->reach};
+    uint16_t **shorts[] = {&rows->own, &rows->children, &rows->reach, &rows->delta, &rows->radius};
     for (size_t i = 0; i < COUNT_OF(floats); i++, memory += entries * sizeof(float))
         *floats[i] = (float *)(void *)memory + ROW_PAD;
     for (size_t i = 0; i < COUNT_OF(shorts); i++, memory += entries * sizeof(uint16_t))
@@ -274,7 +285,7 @@ static void cut_rows(unsigned char *memory, size_t entries, Rows *rows) {
 
 Result error_nest_parallel(const ErrorWork *work, Jobs *jobs, ErrorField *field) {
     size_t entries = ((size_t)work->width + 2 * ROW_PAD + 31) & ~(size_t)31;
-    size_t row_bytes = entries * (5 * sizeof(float) + 3 * sizeof(uint16_t));
+    size_t row_bytes = entries * (5 * sizeof(float) + 5 * sizeof(uint16_t));
     int workers = jobs_worker_count(jobs);
     Heights heights[FOREST_LEVEL_MAX];
     float *packed = NULL;
@@ -291,8 +302,9 @@ Result error_nest_parallel(const ErrorWork *work, Jobs *jobs, ErrorField *field)
         pass.zero_row = zeros + ROW_PAD;
         pass.terms = work->terms[k];
         pass.rows = rows;
-        jobs_run(jobs, pass.plane->height, ROWS_AT_A_TIME, edge_task, &pass);
-        jobs_run(jobs, pass.plane->height / 2, ROWS_AT_A_TIME / 2, centre_task, &pass);
+        int blocks = (pass.plane->height + BLOCK_ROWS - 1) / BLOCK_ROWS;
+        jobs_run(jobs, blocks, 1, block_task, &pass);
+        jobs_run(jobs, blocks - 1, 4, seam_task, &pass);
     }
     free(packed);
     free(rows);
