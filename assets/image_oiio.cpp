@@ -88,6 +88,15 @@ std::string last_error(const ImageReader *reader) {
     return reader && reader->input && reader->input->has_error() ? reader->input->geterror() : OIIO::geterror();
 }
 
+// For strips of 8 and 16 bits OpenImageIO 2.4 unpacks many at once, and then drops what zlib says about damaged ones.
+// Single rows go through libtiff, which reports. Where bands are stored apart, single rows in turn are slow or wrong.
+bool must_read_row_by_row(const OIIO::ImageInput &input) {
+    const OIIO::ImageSpec &spec = input.spec();
+    bool small = spec.format == OIIO::TypeDesc::UINT8 || spec.format == OIIO::TypeDesc::UINT16;
+    bool apart = spec.nchannels > 1 && spec.get_string_attribute("planarconfig") == "separate";
+    return small && !apart && spec.tile_width == 0 && std::string(input.format_name()) == "tiff";
+}
+
 Result open_reader(const char *path, const char *format, ImageReader **out, ImageSpec *spec, ImageError *error) {
     return guarded(error, [&] {
         auto reader = std::make_unique<ImageReader>();
@@ -113,15 +122,6 @@ Result open_reader(const char *path, const char *format, ImageReader **out, Imag
         *out = reader.release();
         return RESULT_OK;
     });
-}
-
-// For strips of 8 and 16 bits OpenImageIO 2.4 unpacks many at once, and then drops what zlib says about damaged ones.
-// Single rows go through libtiff, which reports. Where bands are stored apart, single rows in turn are slow or wrong.
-bool must_read_row_by_row(const OIIO::ImageInput &input) {
-    const OIIO::ImageSpec &spec = input.spec();
-    bool small = spec.format == OIIO::TypeDesc::UINT8 || spec.format == OIIO::TypeDesc::UINT16;
-    bool apart = spec.get_string_attribute("planarconfig") == "separate";
-    return small && !apart && spec.tile_width == 0 && std::string(input.format_name()) == "tiff";
 }
 
 bool read_single_rows(ImageReader *reader, int y0, int y1, int channels, OIIO::TypeDesc type, void *out) {

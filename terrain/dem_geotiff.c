@@ -43,8 +43,7 @@ static Result set_samples(const char *path, const GeotiffTags *tags, DemSource *
     coding->type = type_of(tags);
     if (coding->type == IMAGE_OTHER) {
         log_error("%s: samples of %d bits of a kind that is not read; expected integers of 8, 16 or 32 bits, or floats "
-                  "of 32; "
-                  "convert it: gdal_translate -ot Float32 %s OUT.tif",
+                  "of 32; convert it: gdal_translate -ot Float32 %s OUT.tif",
                   path, tags->bits, path);
         return RESULT_UNSUPPORTED;
     }
