@@ -1,0 +1,146 @@
+#!/usr/bin/env bash
+# Flies the default scene in a window of a virtual display, presses keys as a person would, and looks at the report that
+# the program prints when it is told to leave. Usage: tests/test_window.sh OVERFLY. Exit 77: skipped.
+set -u -o pipefail
+if [ "${2-}" != inside ]; then
+    for tool in xvfb-run xauth xdotool; do
+        command -v "$tool" >/dev/null || {
+            echo "skipped: $tool is missing"
+            exit 77
+        }
+    done
+    exec xvfb-run -a -s "-screen 0 1280x800x24" "$0" "$1" inside
+fi
+
+overfly=$1
+work=$(mktemp -d)
+pid=
+finish() {
+    [ -z "$pid" ] || kill "$pid" 2>/dev/null
+    rm -rf "$work"
+}
+trap finish EXIT
+for name in $(compgen -e OVERFLY_); do
+    [ "$name" = OVERFLY_DATA_DIR ] || unset "$name"
+done
+export HOME=$work XDG_CONFIG_HOME=$work/config XDG_PICTURES_DIR=$work/pictures
+mkdir -p "$XDG_PICTURES_DIR"
+faults=0
+
+# wait_for SECONDS COMMAND...: tries 50 times a second.
+wait_for() {
+    local tries=$(($1 * 50))
+    shift
+    until "$@"; do
+        tries=$((tries - 1))
+        [ "$tries" -gt 0 ] || return 1
+        kill -0 "$pid" 2>/dev/null || return 1
+        sleep 0.02
+    done
+}
+has_ended() { ! kill -0 "$pid" 2>/dev/null; }
+
+give_up() {
+    echo "$flight: $1"
+    cat "$work/log"
+    exit 1
+}
+
+# take_off NAME OPTIONS...: until the first picture of the flight is on disk, and with it the window on the screen.
+take_off() {
+    flight=$1
+    shift
+    rm -rf "$work/frames"
+    "$overfly" --json --pictures "$work/frames" --picture-count 1 "$@" >"$work/report" 2>"$work/log" &
+    pid=$!
+    wait_for 30 test -s "$work/frames/overfly-001.png" || give_up "no picture came"
+}
+
+# Presses one key after another.
+press() { xdotool key --delay 60 "$@"; }
+# hold SECONDS KEY...: all at once.
+hold() {
+    local seconds=$1
+    shift
+    xdotool keydown "$@"
+    sleep "$seconds"
+    xdotool keyup "$@"
+}
+
+land() {
+    press Escape
+    wait_for 10 has_ended || [ -z "$(jobs -r)" ] || give_up "Esc did not end it"
+    wait "$pid"
+    local status=$?
+    pid=
+    [ "$status" -eq 0 ] || give_up "expected exit status 0 after Esc, found $status"
+}
+
+# A value of the last flight's report.
+value() { sed -n 's/^[[:space:]]*"'"$1"'":[[:space:]]*"\{0,1\}\([^",]*\).*/\1/p' "$work/report" | head -n 1; }
+
+# expect NAME RELATION VALUE
+expect() {
+    local found
+    found=$(value "$1")
+    if awk -v a="$found" -v b="$3" "BEGIN { exit !(a != \"\" && a $2 b) }"; then
+        echo "$flight: $1 = $found, as expected $2 $3"
+    else
+        echo "$flight: expected $1 $2 $3, found ${found:-nothing}"
+        faults=$((faults + 1))
+    fi
+}
+
+take_off "no keys" --size 1280x800
+land
+expect frames '>=' 1
+expect bank_deg '<' 1
+expect bank_deg '>' -1
+expect tau_px '==' 1
+throttle=$(value throttle) pitch=$(value pitch_deg)
+
+take_off "right, more throttle" --size 1280x800
+press t t t w l F3
+hold 0.7 Right Prior
+wait_for 10 compgen -G "$XDG_PICTURES_DIR/overfly-*.png" >/dev/null || give_up "F3 wrote no picture"
+land
+expect bank_deg '>' 5
+expect throttle '>' "$(awk "BEGIN { print $throttle + 0.1 }")"
+expect tau_px '<' 0.51
+expect tau_px '>' 0.49
+expect wireframe '==' true
+expect colouring '==' level
+expect window '==' true
+
+take_off "left, less throttle" --size 640x400
+press T h x m
+hold 0.7 Left Next
+land
+expect bank_deg '<' -5
+expect throttle '<' "$(awk "BEGIN { print $throttle - 0.1 }")"
+expect tau_px '>' 1.2
+expect method '==' brute
+expect numbers '==' false
+expect hud '==' true
+expect fov_deg '<' 60
+
+take_off "stick forward" --size 640x400
+hold 0.7 Up
+land
+expect pitch_deg '<' "$(awk "BEGIN { print $pitch - 3 }")"
+
+take_off "stick back" --size 640x400
+hold 0.7 Down
+land
+expect pitch_deg '>' "$(awk "BEGIN { print $pitch + 3 }")"
+
+take_off "pause and help" --size 640x400
+press p F1
+hold 0.5 Right
+land
+expect paused '==' true
+expect help '==' true
+expect bank_deg '<' 1
+
+echo "$faults values were not as expected"
+[ "$faults" -eq 0 ]
