@@ -4,6 +4,8 @@
 // Large diamonds are cut into bands of rows, so that two workers share them; a maximum does not mind the order.
 #include "terrain/error_rows.h"
 
+#include "base/log.h"
+
 #include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -216,7 +218,9 @@ static void store_task(void *user, int64_t begin, int64_t end, int worker) {
 }
 
 Result error_total_own(const ErrorWork *work, Jobs *jobs, ErrorField *field) {
+    Progress progress = progress_begin("error field");
     for (int k = 0; k < field->plane_count; k++) {
+        progress_update(&progress, (double)k / field->plane_count); // every plane scans every sample, once or twice
         ErrorPlane *plane = &field->planes[k];
         Scan scan = {.work = work, .plane = plane, .terms = work->terms[k]};
         scan.bands = (2 * plane->step - 1 + BAND_ROWS - 1) / BAND_ROWS;
@@ -230,5 +234,6 @@ Result error_total_own(const ErrorWork *work, Jobs *jobs, ErrorField *field) {
             jobs_run(jobs, plane->height, 64, store_task, &scan);
         free(scan.most);
     }
+    progress_end(&progress);
     return RESULT_OK;
 }
