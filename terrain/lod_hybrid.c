@@ -23,8 +23,10 @@
 #define RAISE_FAST 4.0
 #define LOWER 1.1
 #define LOWER_BELOW 0.7
-// With more patches than this share of the triangle budget a selection is given up before it costs memory.
-#define TRIANGLES_A_PATCH 512
+// A selection is given up, before it costs memory, when its patches at one in so many of their triangles are above the budget.
+#define PATCH_SHARE 8
+// Here only the vertices that must be active are; nu is still above 0, so that nu times an infinite delta is infinite.
+#define COARSEST_PX 1e12
 // Predicted nanoseconds, to balance partitions: measured on one core at 2.5 GHz, only their ratios matter.
 #define WORK_FILL_VERTEX 30.0
 #define WORK_DECIDE_VERTEX 1.5
@@ -171,16 +173,18 @@ static Result select_patch(Selection *s, const PatchTriangle *triangle, int32_t 
     return RESULT_OK;
 }
 
-static int32_t patches_max(const Hybrid *h) {
-    int64_t most = h->options.max_triangles / TRIANGLES_A_PATCH;
-    int64_t least = 2 * (int64_t)h->terrain->patches.tile_count; // what the coarsest cut needs
-    most = most > least ? most : least;
+static int32_t patches_max(const Hybrid *h, double tau_px) {
+    if (tau_px > COARSEST_PX) // it gets no smaller
+        return INT32_MAX;
+    int64_t share = ((int64_t)1 << h->terrain->options.patch_level) / PATCH_SHARE;
+    int64_t most = h->options.max_triangles / (share > 1 ? share : 1);
+    most += 8 * (int64_t)h->terrain->patches.tile_count; // small tiles: patches of few triangles
     return most < INT32_MAX ? (int32_t)most : INT32_MAX;
 }
 
-static Result select_patches(Hybrid *h, const RefineView *view) {
+static Result select_patches(Hybrid *h, const RefineView *view, double tau_px) {
     const PatchForest *forest = &h->terrain->patches;
-    Selection s = {.h = h, .view = *view, .count_max = patches_max(h)};
+    Selection s = {.h = h, .view = *view, .count_max = patches_max(h, tau_px)};
     h->selected_count = 0;
     for (int32_t i = 0; i < forest->tile_count; i++) {
         s.tile = &forest->tiles[i];
@@ -384,7 +388,7 @@ static Result refine_at(Hybrid *h, const LodCall *call, double tau_px, LodStats 
     *stats = (LodStats){.select_ns = stats->select_ns, .refine_ns = stats->refine_ns};
     int64_t begin = clock_now_ns();
     Update u = {.h = h, .call = call, .view = refine_view(call->view, tau_px), .partitions = partition_count(h, call->jobs)};
-    Result result = select_patches(h, &u.view);
+    Result result = select_patches(h, &u.view, tau_px);
     int64_t selected = clock_now_ns();
     stats->select_ns += selected - begin;
     if (result != RESULT_OK)
@@ -409,8 +413,7 @@ static Result refine_within_budget(Hybrid *h, const LodCall *call, LodCut *cut) 
         bool gave_up = result == RESULT_BUDGET;
         if (result != RESULT_OK && !gave_up)
             return result;
-        bool coarsest = h->selected_count <= 2 * h->terrain->patches.tile_count && tau > 1e12;
-        if (!gave_up && (cut->stats.triangles <= h->options.max_triangles || coarsest))
+        if (!gave_up && (cut->stats.triangles <= h->options.max_triangles || tau > COARSEST_PX))
             break;
         tau *= gave_up ? RAISE_FAST : RAISE;
     }
