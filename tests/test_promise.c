@@ -201,6 +201,53 @@ static void test_any_place_on_earth_keeps_the_promise(void **state) {
     }
 }
 
+// ---- real terrain ----
+
+static void check_real(Bench *b, const char *name) {
+    static const double TAUS[] = {0.5, 1.0, 2.0, 4.0}, EYES[][3] = {{0.41, 0.37, 40.0}, {0.7, 0.55, 15000.0}};
+    const Dem *dem = terrain_dem(b->terrain);
+    for (size_t e = 0; e < COUNT_OF(EYES); e++)
+        for (size_t t = 0; t < COUNT_OF(TAUS); t++) {
+            Vec3d eye = support_eye(b->terrain, EYES[e][0] * dem->width, EYES[e][1] * dem->height, EYES[e][2]);
+            LodView view = support_view(eye, TAUS[t]);
+            Measure m = bench_check(b, &view, name);
+            print_message("%s, %5.0f m up, tau %.1f: max %.4f px, p99.9 %.4f, rms %.4f, %" PRId64 " triangles\n", name,
+                          EYES[e][2], TAUS[t], m.max_px, m.p999_px, m.rms_px, b->cut.stats.triangles);
+        }
+}
+
+static void check_shared(const char *name) {
+    Geoid *geoid = NULL;
+    Bench b = {0};
+    LodOptions options = lod_default_options();
+    assert_int_equal(jobs_create(2, &b.jobs), RESULT_OK);
+    b.terrain = support_shared_terrain(name, &geoid, b.jobs);
+    if (!b.terrain) {
+        jobs_destroy(&b.jobs);
+        skip();
+    }
+    assert_int_equal(lod_create(&options, b.terrain, &b.lod), RESULT_OK);
+    assert_int_equal(arena_create(1 << 20, &b.frame), RESULT_OK);
+    check_real(&b, name);
+    bench_end(&b);
+    geoid_close(&geoid);
+}
+
+static void test_puget_sound_keeps_the_promise(void **state) {
+    (void)state;
+    check_shared("puget_utm10_160m_1025.tif");
+}
+
+static void test_maui_keeps_the_promise(void **state) {
+    (void)state;
+    check_shared("maui_utm4n_40m_2049.tif");
+}
+
+static void test_the_tatra_keep_the_promise(void **state) {
+    (void)state;
+    check_shared("tatra_srtm3_2401.tif");
+}
+
 // ---- eyes and tolerances ----
 
 static Bench rough_bench(TerrainErrorKind error, int64_t max_triangles) {
@@ -312,6 +359,9 @@ int main(void) {
         cmocka_unit_test(test_a_plane_takes_few_triangles),
         cmocka_unit_test(test_any_size_is_covered),
         cmocka_unit_test(test_any_place_on_earth_keeps_the_promise),
+        cmocka_unit_test(test_puget_sound_keeps_the_promise),
+        cmocka_unit_test(test_maui_keeps_the_promise),
+        cmocka_unit_test(test_the_tatra_keep_the_promise),
         cmocka_unit_test(test_an_eye_on_or_in_the_ground_gets_a_whole_cut),
         cmocka_unit_test(test_extreme_tolerances_end),
         cmocka_unit_test(test_views_that_are_no_numbers_are_refused),
