@@ -5,12 +5,12 @@
 
 #include <math.h>
 
-#define BANK_MAX 0.7        // rad
-#define CLIMB_MAX 0.28      // rad of path
+#define BANK_MAX 0.7   // rad
+#define CLIMB_MAX 0.28 // rad of path
 #define DESCENT_MAX 0.16
-#define LOOK_AHEAD_S 14.0   // the ground is watched so far ahead
+#define LOOK_AHEAD_S 14.0 // the ground is watched so far ahead
 #define LOOKS 8
-#define REACH_S 3.0         // a waypoint counts as reached within this time of flight
+#define REACH_S 3.0 // a waypoint counts as reached within this time of flight
 #define REACH_MIN_M 250.0
 
 static double clamp(double value, double least, double greatest) {
@@ -37,7 +37,8 @@ static double wanted_height(const Flight *flight, const Waypoint *to, double cle
         double ahead_s = LOOK_AHEAD_S * i / LOOKS, ground_m;
         Vec3d there = vec3d_mad(flight->state.position_ecef, flight->state.velocity_ecef, ahead_s);
         Geodetic place = geodesy_from_ecef(there);
-        if (flight->ground.height && flight->ground.height(flight->ground.user, place.lat_rad, place.lon_rad, &ground_m))
+        if (flight->ground.height &&
+            flight->ground.height(flight->ground.user, place.lat_rad, place.lon_rad, &ground_m))
             wanted = fmax(wanted, ground_m + clearance_m);
     }
     return wanted;

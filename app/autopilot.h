@@ -9,7 +9,8 @@ typedef struct Waypoint {
     double speed_m_s;
 } Waypoint;
 
-// Controls for this moment: towards the waypoint, at its height and speed, at least `clearance_m` above the ground ahead.
+// Controls for this moment: towards the waypoint, at its height and speed, `clearance_m` above the ground ahead or
+// more.
 Controls autopilot_fly(const Flight *flight, const Waypoint *to, double clearance_m);
 // Whether the waypoint is near enough to fly on to the next.
 bool autopilot_has_reached(const Flight *flight, const Waypoint *to);

@@ -19,7 +19,8 @@ typedef struct Fly {
 } Fly;
 
 static Result check_outputs(const Options *options) {
-    const char *screenshot = options_text(options, OPTION_SCREENSHOT), *pictures = options_text(options, OPTION_PICTURES);
+    const char *screenshot = options_text(options, OPTION_SCREENSHOT),
+               *pictures = options_text(options, OPTION_PICTURES);
     Result result = screenshot ? picture_check_name(screenshot, "--screenshot") : RESULT_OK;
     return result == RESULT_OK && pictures ? files_make_folder(pictures) : result;
 }

@@ -1,10 +1,10 @@
 #include "app/command.h"
+#include "app/flight_settings.h"
 #include "app/json.h"
 #include "app/picture.h"
 #include "app/picture_options.h"
 #include "app/pipeline.h"
 #include "app/scene_load.h"
-#include "app/flight_settings.h"
 #include "base/log.h"
 #include "terrain/geodesy.h"
 

@@ -6,9 +6,12 @@
 const Command command_table[] = {
     {COMMAND_FLY, "fly", "[SCENE|DEM]...", -1, "fly over a terrain, in a window or without one", cmd_fly},
     {COMMAND_SNAPSHOT, "snapshot", "[SCENE|DEM]...", -1, "one picture, without a window", cmd_snapshot},
-    {COMMAND_MESH, "mesh", "[SCENE|DEM]...", -1, "measure the triangles for one view, and write them to a file", cmd_mesh},
-    {COMMAND_BENCH, "bench", "preprocess|refine [SCENE|DEM]...", -1, "measure what error fields and refinement cost", cmd_bench},
-    {COMMAND_INFO, "info", "DEM...", -1, "what is in elevation files: size, spacing, datum, bounds, range, voids", cmd_info},
+    {COMMAND_MESH, "mesh", "[SCENE|DEM]...", -1, "measure the triangles for one view, and write them to a file",
+     cmd_mesh},
+    {COMMAND_BENCH, "bench", "preprocess|refine [SCENE|DEM]...", -1, "measure what error fields and refinement cost",
+     cmd_bench},
+    {COMMAND_INFO, "info", "DEM...", -1, "what is in elevation files: size, spacing, datum, bounds, range, voids",
+     cmd_info},
     {COMMAND_CONFIG, "config", "[SUBCOMMAND]", 1, "show the effective options and where each came from", cmd_config},
     {0},
 };

@@ -17,8 +17,8 @@
 static bool parse_place(const char *text, const Geoid *geoid, Waypoint *out) {
     static const QuantityKind kinds[3] = {QUANTITY_ANGLE, QUANTITY_ANGLE, QUANTITY_LENGTH};
     double place[3];
-    if (quantity_parse_list(kinds, 3, text, place) != RESULT_OK || place[0] < -90 || place[0] > 90 ||
-        place[1] < -540 || place[1] > 540 || place[2] < -20000 || place[2] > 1e6)
+    if (quantity_parse_list(kinds, 3, text, place) != RESULT_OK || place[0] < -90 || place[0] > 90 || place[1] < -540 ||
+        place[1] > 540 || place[2] < -20000 || place[2] > 1e6)
         return false;
     out->lat_rad = place[0] * GEODESY_RAD_PER_DEG;
     out->lon_rad = place[1] * GEODESY_RAD_PER_DEG;
@@ -62,9 +62,10 @@ static Result read_lines(FILE *stream, const char *path, const Geoid *geoid, Dem
         bool whole = strchr(line, '\n') || feof(stream);
         if (whole && parse_line(line, geoid, demo))
             continue;
-        log_error("%s:%d: expected 'to LAT,LON,ALT SPEED' (at most %d times; 40 to 1000 m/s), 'clearance LENGTH' (10 to "
-                  "10000 m), or a comment after '#'",
-                  path, number, DEMO_WAYPOINTS_MAX);
+        log_error(
+            "%s:%d: expected 'to LAT,LON,ALT SPEED' (at most %d times; 40 to 1000 m/s), 'clearance LENGTH' (10 to "
+            "10000 m), or a comment after '#'",
+            path, number, DEMO_WAYPOINTS_MAX);
         return RESULT_FORMAT;
     }
     return ferror(stream) ? RESULT_IO : RESULT_OK;
@@ -98,9 +99,9 @@ void demo_make_round(const Viewpoint *view, const Geoid *geoid, double distance_
     for (int i = 0; i < ROUND_POINTS; i++) {
         double angle = heading + GEODESY_PI - 2.0 * GEODESY_PI * (i + 1) / ROUND_POINTS;
         double radius_m = 0.6 * distance_m;
-        out->waypoints[i] = (Waypoint){centre_lat + radius_m * cos(angle) / GEODESY_A_M,
-                                       centre_lon + radius_m * sin(angle) / (GEODESY_A_M * fmax(cos(lat), 0.05)), h_m,
-                                       ROUND_SPEED};
+        out->waypoints[i] =
+            (Waypoint){centre_lat + radius_m * cos(angle) / GEODESY_A_M,
+                       centre_lon + radius_m * sin(angle) / (GEODESY_A_M * fmax(cos(lat), 0.05)), h_m, ROUND_SPEED};
     }
 }
 

@@ -5,19 +5,19 @@
 
 #include <math.h>
 
-#define SWEEP_M 30.0        // ground is looked at so often along the way
+#define SWEEP_M 30.0 // ground is looked at so often along the way
 #define SWEEP_MAX 8
 #define SLOPE_REACH_M 12.0
-#define FLOOR_M (-1500.0)   // below every land: where there is no terrain, the flight ends here
-#define LANDING_SINK 3.5    // m/s against the ground, at most
+#define FLOOR_M (-1500.0) // below every land: where there is no terrain, the flight ends here
+#define LANDING_SINK 3.5  // m/s against the ground, at most
 #define LANDING_SPEED 85.0
 #define LANDING_BANK 0.35
 #define LANDING_NOSE_UP 0.35
 #define LANDING_NOSE_DOWN 0.12
-#define ROLL_FRICTION 0.25  // m/s^2
-#define BRAKES 2.5          // m/s^2 with the throttle closed
-#define SETTLE_S 0.15       // the wheels take the slope's attitude
-#define STEER_RATE 0.5      // rad/s at full rudder
+#define ROLL_FRICTION 0.25 // m/s^2
+#define BRAKES 2.5         // m/s^2 with the throttle closed
+#define SETTLE_S 0.15      // the wheels take the slope's attitude
+#define STEER_RATE 0.5     // rad/s at full rudder
 
 static bool ground_height(const FlightGround *ground, Geodetic place, double *h_m) {
     return ground->height && ground->height(ground->user, place.lat_rad, place.lon_rad, h_m);
@@ -68,7 +68,7 @@ static Vec3d ground_normal(const FlightGround *ground, Vec3d position, const Mat
 static bool is_gentle(const FlightState *state, Vec3d normal) {
     Quatd body_from_ecef = quatd_conjugate(state->ecef_from_body);
     Vec3d up = quatd_rotate(body_from_ecef, normal);
-    double bank = atan2(up.y, -up.z), nose = asin(fmin(fmax(up.x, -1.0), 1.0));
+    double bank = atan2(-up.y, -up.z), nose = asin(fmin(fmax(up.x, -1.0), 1.0));
     double bank_limit = state->contact == FLIGHT_ROLLING ? 2.0 * LANDING_BANK : LANDING_BANK;
     return -vec3d_dot(state->velocity_ecef, normal) < LANDING_SINK && fabs(bank) < bank_limit &&
            nose < LANDING_NOSE_UP && nose > -LANDING_NOSE_DOWN && vec3d_length(state->velocity_ecef) < LANDING_SPEED;
@@ -85,7 +85,7 @@ static void crash(FlightState *state, Vec3d where) {
 // Turns the body so that its roof comes towards the normal; the nose may stay above the slope.
 static void settle_attitude(FlightState *state, Vec3d normal, double dt_s) {
     Vec3d up = quatd_rotate(quatd_conjugate(state->ecef_from_body), normal);
-    double bank = atan2(up.y, -up.z), nose = asin(fmin(fmax(up.x, -1.0), 1.0));
+    double bank = atan2(-up.y, -up.z), nose = asin(fmin(fmax(up.x, -1.0), 1.0));
     double share = 1.0 - exp(-dt_s / SETTLE_S);
     Quatd level = quatd_from_axis_angle(vec3d(1.0, 0.0, 0.0), -bank * share);
     Quatd lift = quatd_from_axis_angle(vec3d(0.0, 1.0, 0.0), nose < 0.0 ? -nose * share : 0.0);

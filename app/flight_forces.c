@@ -11,7 +11,7 @@
 #define SIDESLIP_MAX 0.17   // rad at full rudder
 #define SIDE_FORCE 0.6      // per radian of sideslip
 #define NOSE_STIFFNESS 3.0  // 1/s: how fast the nose closes in on the wanted angles
-#define RATE_LAG_S 0.18     // rates follow what is commanded with this lag
+#define RATE_LAG_S 0.12     // rates follow what is commanded with this lag
 #define RATE_MAX 3.0        // rad/s commanded
 #define LEVEL_BANK_COS 0.45 // up to some 63 degrees of bank a turn is held level
 #define DRAG_RATE_MAX 60.0  // 1/s: keeps the explicit step stable at speeds no aircraft survives

@@ -5,14 +5,14 @@
 #include "app/flight_model.h"
 
 #define FLIGHT_GRAVITY 9.80665
-#define FLIGHT_LIFT 0.00438       // lift acceleration = FLIGHT_LIFT density V^2 CL: 1 g at 40 m/s with CL 1.4
-#define FLIGHT_LIFT_SLOPE 5.2     // CL a radian
-#define FLIGHT_STALL_RAD 0.2618   // 15 degrees
+#define FLIGHT_LIFT 0.00438     // lift acceleration = FLIGHT_LIFT density V^2 CL: 1 g at 40 m/s with CL 1.4
+#define FLIGHT_LIFT_SLOPE 5.2   // CL a radian
+#define FLIGHT_STALL_RAD 0.2618 // 15 degrees
 #define FLIGHT_DRAG_ZERO 0.025
 #define FLIGHT_DRAG_LIFT 0.06
-#define FLIGHT_THRUST 4.0         // full, at sea level
-#define FLIGHT_LOAD_MAX 6.0       // structural limit, g, up; half of it down
-#define FLIGHT_CONTROL_V 15.0     // controls work well above this speed
+#define FLIGHT_THRUST 4.0     // full, at sea level
+#define FLIGHT_LOAD_MAX 6.0   // structural limit, g, up; half of it down
+#define FLIGHT_CONTROL_V 15.0 // controls work well above this speed
 
 // The time derivative of a state.
 typedef struct FlightMotion {

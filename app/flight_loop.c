@@ -30,8 +30,8 @@ static void on_resize(void *user, int width, int height) {
 }
 
 static bool is_over(const FlightLoop *loop, int64_t ordered) {
-    bool demo_over = !loop->window && loop->frames == 0 && loop->session->demo.count > 0 &&
-                     demo_is_over(&loop->session->demo);
+    bool demo_over =
+        !loop->window && loop->frames == 0 && loop->session->demo.count > 0 && demo_is_over(&loop->session->demo);
     return (loop->frames > 0 && ordered >= loop->frames) || loop->session->leave_wanted || demo_over ||
            (loop->window && context_should_close(loop->context)) || signals_leave_wanted();
 }
@@ -44,7 +44,8 @@ static int picture_number(const FlightLoop *loop, int64_t index) {
         return index % PICTURE_SPACING == 0 && index / PICTURE_SPACING < loop->picture_count
                    ? (int)(index / PICTURE_SPACING) + 1
                    : 0;
-    int64_t before = index * loop->picture_count / loop->frames, after = (index + 1) * loop->picture_count / loop->frames;
+    int64_t before = index * loop->picture_count / loop->frames,
+            after = (index + 1) * loop->picture_count / loop->frames;
     return after > before ? (int)after : 0;
 }
 

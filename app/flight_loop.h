@@ -10,12 +10,12 @@ typedef struct FlightLoop {
     FlightSession *session;
     Pipeline *pipeline;
     Context *context;
-    bool window;          // else there are no events, and frames follow one another without waiting
-    bool lockstep;        // stages one after another
-    double fps;           // frames a second at most, in a window
-    int64_t frames;       // leave after so many; 0: when told to, or when the demo is over
-    const char *screenshot;      // path of the last frame's picture, or NULL
-    const char *pictures;        // folder, or NULL
+    bool window;            // else there are no events, and frames follow one another without waiting
+    bool lockstep;          // stages one after another
+    double fps;             // frames a second at most, in a window
+    int64_t frames;         // leave after so many; 0: when told to, or when the demo is over
+    const char *screenshot; // path of the last frame's picture, or NULL
+    const char *pictures;   // folder, or NULL
     int picture_count;
     int width, height;
 } FlightLoop;

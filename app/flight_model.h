@@ -22,11 +22,11 @@ typedef enum FlightContact { FLIGHT_AIRBORNE, FLIGHT_ROLLING, FLIGHT_CRASHED } F
 typedef struct FlightState {
     Vec3d position_ecef, velocity_ecef;
     Quatd ecef_from_body;
-    Vec3d rate_body;       // rad/s
-    double throttle;       // 0..1, as the engine has it
+    Vec3d rate_body; // rad/s
+    double throttle; // 0..1, as the engine has it
     FlightContact contact;
-    double crashed_s;      // since the crash
-    int64_t step;          // steps flown
+    double crashed_s; // since the crash
+    int64_t step;     // steps flown
 } FlightState;
 
 typedef struct FlightStart {

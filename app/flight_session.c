@@ -29,13 +29,18 @@ static double start_speed(const World *world, const Options *options, double h_m
     return fmax(START_SPEED, STALL_MARGIN * stall);
 }
 
+// Level, however the view is tilted, unless a direction was asked for: the start of a scene looks down at the land.
+static double start_pitch_rad(const Options *options, const Viewpoint *view) {
+    return options_is_set(options, OPTION_LOOK) ? view->pitch_deg * GEODESY_RAD_PER_DEG : 0.0;
+}
+
 static Flight start_flight(const World *world, const Options *options, const Viewpoint *view) {
     double h_m = world_ellipsoid_m(world, view->lat_deg, view->lon_deg, view->alt_m);
     FlightStart start = {.lat_rad = view->lat_deg * GEODESY_RAD_PER_DEG,
                          .lon_rad = view->lon_deg * GEODESY_RAD_PER_DEG,
                          .h_m = h_m,
                          .heading_rad = view->heading_deg * GEODESY_RAD_PER_DEG,
-                         .pitch_rad = view->pitch_deg * GEODESY_RAD_PER_DEG,
+                         .pitch_rad = start_pitch_rad(options, view),
                          .speed_m_s = start_speed(world, options, h_m)};
     return flight_create(&start, ground_of(world));
 }

@@ -1,5 +1,5 @@
-// app/flight_session.h: a flight as it is flown: aircraft, pilot or demo, settings; from passed time to the next frame's
-// order. Knows no window and no thread.
+// app/flight_session.h: a flight as it is flown: aircraft, pilot or demo, settings; from passed time to the order of
+// the next frame. Knows no window and no thread.
 // Seconds, metres, radians.
 // A FlightSession borrows its World; a value otherwise. One thread.
 #pragma once
@@ -22,10 +22,10 @@ typedef struct FlightSession {
     bool screenshot_wanted, leave_wanted; // by a key; the caller takes them back
     Vec3d sun_ecef;                       // unit
     char message[PIPELINE_MESSAGE_BYTES];
-    double message_s;                     // left to show
+    double message_s; // left to show
 } FlightSession;
 
-// The aircraft at the scene's start, or where the terrain looks best; the demo when asked for. Errors of the demo's file.
+// The aircraft at the scene's start, or where the terrain looks best; the demo when asked for. Errors of the demo.
 MUST_USE Result session_create(const World *world, const Options *options, FlightSession *out);
 
 // Keys as the window reports them.

@@ -43,16 +43,15 @@ static double scaled(double value, double factor, double least, double greatest)
 }
 
 static void zoom(FlightSettings *settings, double factor) {
-    settings->fov_rad =
-        scaled(settings->fov_rad, factor, FOV_MIN * GEODESY_RAD_PER_DEG, FOV_MAX * GEODESY_RAD_PER_DEG);
+    settings->fov_rad = scaled(settings->fov_rad, factor, FOV_MIN * GEODESY_RAD_PER_DEG, FOV_MAX * GEODESY_RAD_PER_DEG);
 }
 
 static bool apply_view(FlightSettings *settings, Action action, char *message, size_t size) {
     switch (action) {
     case ACTION_VIEW_NEXT:
     case ACTION_VIEW_PREVIOUS:
-        settings->view =
-            (CameraView)((settings->view + (action == ACTION_VIEW_NEXT ? 1 : CAMERA_VIEW_COUNT - 1)) % CAMERA_VIEW_COUNT);
+        settings->view = (CameraView)((settings->view + (action == ACTION_VIEW_NEXT ? 1 : CAMERA_VIEW_COUNT - 1)) %
+                                      CAMERA_VIEW_COUNT);
         snprintf(message, size, "view: %s", camera_view_name(settings->view));
         return true;
     case ACTION_ZOOM_IN:
@@ -90,7 +89,8 @@ static bool apply_detail(FlightSettings *settings, Action action, char *message,
     switch (action) {
     case ACTION_FINER:
     case ACTION_COARSER:
-        settings->tau_px = scaled(settings->tau_px, action == ACTION_FINER ? 1.0 / TAU_STEP : TAU_STEP, TAU_MIN, TAU_MAX);
+        settings->tau_px =
+            scaled(settings->tau_px, action == ACTION_FINER ? 1.0 / TAU_STEP : TAU_STEP, TAU_MIN, TAU_MAX);
         snprintf(message, size, "tolerated error %.2f px", settings->tau_px);
         return true;
     case ACTION_METHOD:

@@ -37,7 +37,8 @@ static bool is_on_by_default(const OptionSpec *spec) {
 static void print_option(const OptionSpec *spec) {
     char left[128], right[400];
     bool flag = spec->type == OPTION_TYPE_FLAG;
-    int used = spec->letter ? snprintf(left, sizeof left, "  -%c, ", spec->letter) : snprintf(left, sizeof left, "      ");
+    int used =
+        spec->letter ? snprintf(left, sizeof left, "  -%c, ", spec->letter) : snprintf(left, sizeof left, "      ");
     snprintf(left + used, sizeof left - (size_t)used, "--%s%s%s%s", is_on_by_default(spec) ? "[no-]" : "", spec->name,
              flag ? "" : " ", flag ? "" : argument_of(spec));
     bool show_default = spec->default_text && (!flag || is_on_by_default(spec));

@@ -42,8 +42,8 @@ struct Pipeline {
     Packet packets[PACKETS];
     FrameOrder waiting;
     bool has_waiting, leaving, drawer_ready;
-    uint64_t submitted, drawn;  // numbers
-    uint64_t released;          // LodCut.frame that is drawn
+    uint64_t submitted, drawn; // numbers
+    uint64_t released;         // LodCut.frame that is drawn
     Result failure;
     PipelineStats stats;
     FrameTimes frame_times, refine_times, upload_times, draw_times;
@@ -382,10 +382,9 @@ PipelineStats pipeline_stats(Pipeline *p) {
 
 PipelineTimes pipeline_times(Pipeline *p) {
     pthread_mutex_lock(&p->lock);
-    PipelineTimes times = {frame_times_summary(&p->frame_times, FRAME_TIMES_KEPT),
-                           frame_times_summary(&p->refine_times, FRAME_TIMES_KEPT),
-                           frame_times_summary(&p->upload_times, FRAME_TIMES_KEPT),
-                           frame_times_summary(&p->draw_times, FRAME_TIMES_KEPT)};
+    PipelineTimes times = {
+        frame_times_summary(&p->frame_times, FRAME_TIMES_KEPT), frame_times_summary(&p->refine_times, FRAME_TIMES_KEPT),
+        frame_times_summary(&p->upload_times, FRAME_TIMES_KEPT), frame_times_summary(&p->draw_times, FRAME_TIMES_KEPT)};
     pthread_mutex_unlock(&p->lock);
     return times;
 }

@@ -15,10 +15,10 @@
 typedef struct FrameOrder {
     LodMethod method;
     LodView view;
-    int width, height;              // pixels of the framebuffer
-    RenderPacket look;              // all but `cut`, `hud.message` and the times
+    int width, height;                    // pixels of the framebuffer
+    RenderPacket look;                    // all but `cut`, `hud.message` and the times
     char message[PIPELINE_MESSAGE_BYTES]; // for the HUD; "": none
-    char picture[PATHS_BYTES_MAX];  // write the finished frame as PNG; "": no
+    char picture[PATHS_BYTES_MAX];        // write the finished frame as PNG; "": no
 } FrameOrder;
 
 typedef struct PipelineOptions {
@@ -31,8 +31,8 @@ typedef struct PipelineOptions {
 } PipelineOptions;
 
 typedef struct PipelineStats {
-    int64_t frames;      // drawn
-    LodMethod method;    // of the last frame drawn, as all below
+    int64_t frames;   // drawn
+    LodMethod method; // of the last frame drawn, as all below
     LodStats lod;
     double reached_px;
     RenderStats render;

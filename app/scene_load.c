@@ -104,8 +104,7 @@ static Result create_terrain(const Options *options, World *world) {
     terrain.patch_level = 2 * (options_choice(options, OPTION_PATCH_SIDE) + 1); // sides 3, 5, 9: 2, 4, 6 bisections
     DemOptions dem_options = scene_dem_options(options, &world->scene);
     Dem *dem = NULL;
-    Result result =
-        dem_load(&dem_options, (const char *const *)world->scene.dem, world->scene.dem_count, &dem);
+    Result result = dem_load(&dem_options, (const char *const *)world->scene.dem, world->scene.dem_count, &dem);
     if (result != RESULT_OK)
         return result;
     result = terrain_create(&terrain, dem, world->geoid, world->jobs, &world->terrain);
@@ -195,8 +194,7 @@ double world_ellipsoid_m(const World *world, double lat_deg, double lon_deg, dou
 
 Vec3d world_viewpoint_ecef(const World *world, const Viewpoint *view) {
     double h_m = world_ellipsoid_m(world, view->lat_deg, view->lon_deg, view->alt_m);
-    return geodesy_to_ecef(
-        (Geodetic){view->lat_deg * GEODESY_RAD_PER_DEG, view->lon_deg * GEODESY_RAD_PER_DEG, h_m});
+    return geodesy_to_ecef((Geodetic){view->lat_deg * GEODESY_RAD_PER_DEG, view->lon_deg * GEODESY_RAD_PER_DEG, h_m});
 }
 
 double scene_px_per_rad(const Options *options) {

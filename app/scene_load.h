@@ -19,22 +19,22 @@ typedef struct World {
     Terrain *terrain;
 } World;
 
-// How the DEM is to be read: --datum, --voids, --spacing, --bounds; what is not given, as the scene says. `scene` may be
-// NULL.
+// How the DEM is to be read: --datum, --voids, --spacing, --bounds; what is not given, as the scene says. `scene` may
+// be NULL.
 DemOptions scene_dem_options(const Options *options, const Scene *scene);
 // --method, --partitions, --max-triangles, --reuse.
 LodOptions scene_lod_options(const Options *options);
 // The EGM96 grid: --geoid, else the program's own. NOT_FOUND, FORMAT.
 MUST_USE Result scene_open_geoid(const Options *options, Geoid **out);
 
-// Loads what the positional arguments name: nothing (the default scene), a scene (a file ending in .scene, or the name of
-// one that came with the program), or DEM files and folders. Jobs, geoid, DEM and terrain as the options say. On failure
-// one message was logged and `out` is empty.
+// Loads what the positional arguments name: nothing (the default scene), a scene (a file ending in .scene, or the name
+// of one that came with the program), or DEM files and folders. Jobs, geoid, DEM and terrain as the options say. On
+// failure one message was logged and `out` is empty.
 MUST_USE Result world_load(const Options *options, World *out);
 void world_unload(World *world);
 
-// --eye and --look, else the scene's start, else a three-quarter view of the highest relief computed from the terrain. An
-// eye given without a direction looks north, level.
+// --eye and --look, else the scene's start, else a three-quarter view of the highest relief computed from the terrain.
+// An eye given without a direction looks north, level.
 MUST_USE Result world_viewpoint(const World *world, const Options *options, Viewpoint *out);
 // Unit vector towards the sun at the viewpoint: --sun when given, else the scene's, else the default.
 Vec3d world_sun(const World *world, const Options *options, const Viewpoint *viewpoint);

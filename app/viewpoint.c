@@ -5,11 +5,11 @@
 
 #include <math.h>
 
-#define BLOCKS 12            // across and down: where the relief is compared
-#define STRIDE_SAMPLES 64    // at least so many samples a block side are looked at, where there are
+#define BLOCKS 12         // across and down: where the relief is compared
+#define STRIDE_SAMPLES 64 // at least so many samples a block side are looked at, where there are
 #define AZIMUTHS 24
 #define SIGHT_STEPS 24
-#define CLEARANCE_M 120.0    // of the eye above the ground
+#define CLEARANCE_M 120.0 // of the eye above the ground
 
 // A column and row, and how high the ground is there.
 typedef struct Spot {
@@ -77,8 +77,8 @@ static bool find_highest_relief(const Dem *dem, Block *best) {
 static Geodetic walk(Geodetic from, double azimuth_rad, double distance_m) {
     double angle = distance_m / GEODESY_A_M;
     double lat = asin(sin(from.lat_rad) * cos(angle) + cos(from.lat_rad) * sin(angle) * cos(azimuth_rad));
-    double lon = from.lon_rad + atan2(sin(azimuth_rad) * sin(angle) * cos(from.lat_rad),
-                                      cos(angle) - sin(from.lat_rad) * sin(lat));
+    double lon = from.lon_rad +
+                 atan2(sin(azimuth_rad) * sin(angle) * cos(from.lat_rad), cos(angle) - sin(from.lat_rad) * sin(lat));
     return (Geodetic){lat, lon, 0.0};
 }
 

@@ -17,6 +17,6 @@ Vec3d viewpoint_forward(const Viewpoint *viewpoint);
 // Rows right, up, back of a camera that looks so, without bank; continuous through straight up and down.
 Mat3d viewpoint_camera(const Viewpoint *viewpoint);
 
-// A three-quarter view of the part with the highest relief: from over the lower side, above the ground on the whole way.
+// A three-quarter view of the part with the highest relief: from over the lower side, above the ground all the way.
 // The same terrain gives the same view. RANGE: no sample with data.
 MUST_USE Result viewpoint_of_relief(const Terrain *terrain, const Geoid *geoid, Viewpoint *out);

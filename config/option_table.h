@@ -14,6 +14,7 @@
 #define CHOICES_METHOD "hybrid|brute"
 #define CHOICES_COLOUR "land|level|cache|partition"
 
+// clang-format off
 // X(identifier, name, short name or 0, type, argument, default or NULL, least, greatest, choices, subcommands, help)
 // Least and greatest of several numbers hold for each of them; both 0: the type's own range.
 #define OPTION_TABLE(X)                                                                                                \
@@ -38,7 +39,7 @@
     X(METHOD, "method", 'm', CHOICE, NULL, "hybrid", 0, 0, CHOICES_METHOD, COMMANDS_SCENE, "level-of-detail method")   \
     X(TAU, "tau", 't', NUMBER, "PX", "1", 0.01, 1000, NULL, COMMANDS_SCENE, "tolerated error at the image centre")     \
     X(PARTITIONS, "partitions", 0, INTEGER, "N", "0", 0, 64, NULL, COMMANDS_SCENE,                                     \
-      "sectors along the observer line; 0: 1 for one worker, else 2 a worker")                                                            \
+      "sectors along the observer line; 0: 1 for one worker, else 2 a worker")                                         \
     X(MAX_TRIANGLES, "max-triangles", 0, INTEGER, "N", "16000000", 1000, 2000000000, NULL, COMMANDS_SCENE,             \
       "above it the tolerance is raised")                                                                              \
     X(REUSE, "reuse", 0, FLAG, NULL, "true", 0, 0, NULL, COMMANDS_SCENE, "keep triangulations from frame to frame")    \
@@ -66,13 +67,13 @@
     X(FULLSCREEN, "fullscreen", 'f', FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY, "the whole screen")                 \
     X(FPS, "fps", 0, NUMBER, "HZ", "60", 1, 1000, NULL, COMMAND_FLY, "frames a second at most")                        \
     X(FRAMES, "frames", 'n', INTEGER, "N", "0", 0, 1000000000, NULL, COMMAND_FLY | COMMAND_BENCH,                      \
-      "leave after N frames; 0: fly until told to leave, or measure 600")                                                              \
+      "leave after N frames; 0: fly until told to leave, or measure 600")                                              \
     X(LOCKSTEP, "lockstep", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY,                                           \
       "stages one after another, 1/60 s a frame: the same pictures each time")                                         \
     X(DEMO, "demo", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY, "fly the scene's demonstration")                  \
-    X(SPEED, "speed", 0, SPEED, "SPEED", NULL, 0, 20000, NULL, COMMAND_FLY | COMMAND_BENCH,                              \
+    X(SPEED, "speed", 0, SPEED, "SPEED", NULL, 0, 20000, NULL, COMMAND_FLY | COMMAND_BENCH,                            \
       "at the start (80m/s, 120kt); measuring: 100m/s if not given")                                                   \
-    X(HEIGHT, "height", 0, LENGTH, "LENGTH", "500", 1, 1e7, NULL, COMMAND_BENCH, "of the flight above the ground")      \
+    X(HEIGHT, "height", 0, LENGTH, "LENGTH", "500", 1, 1e7, NULL, COMMAND_BENCH, "of the flight above the ground")     \
     X(SIDES, "sides", 0, TEXT, "LIST", "1025,2049,4097", 0, 0, NULL, COMMAND_BENCH, "samples a side to preprocess")    \
     X(ROUNDS, "rounds", 0, INTEGER, "N", "5", 1, 1000, NULL, COMMAND_BENCH, "of each measurement, interleaved")        \
     X(SCREENSHOT, "screenshot", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMAND_FLY, "write the last frame as PNG")         \
@@ -81,3 +82,4 @@
       "how many, spread over the flight")                                                                              \
                                                                                                                        \
     X(CULL, "cull", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_MESH, "only what the view frustum holds")
+// clang-format on

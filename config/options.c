@@ -219,8 +219,7 @@ static const char *nearest_choice(const OptionSpec *spec, const char *text, char
 static void report_value(const OptionSpec *spec, const char *text, const char *where) {
     char expected[320], choices[160];
     option_describe_expected(spec, expected, sizeof expected);
-    const char *nearest =
-        spec->type == OPTION_TYPE_CHOICE ? nearest_choice(spec, text, choices, sizeof choices) : NULL;
+    const char *nearest = spec->type == OPTION_TYPE_CHOICE ? nearest_choice(spec, text, choices, sizeof choices) : NULL;
     if (nearest)
         log_error("%s: expected %s; found '%s'; did you mean '%s'?", where, expected, text, nearest);
     else

@@ -18,14 +18,14 @@ typedef enum CommandId {
 #include "config/option_table.h"
 
 typedef enum OptionType {
-    OPTION_TYPE_FLAG,      // --name and --no-name; true, false, yes, no, on, off, 1, 0
+    OPTION_TYPE_FLAG, // --name and --no-name; true, false, yes, no, on, off, 1, 0
     OPTION_TYPE_INTEGER,
     OPTION_TYPE_NUMBER,
-    OPTION_TYPE_LENGTH,    // metres
-    OPTION_TYPE_SPEED,     // metres a second
-    OPTION_TYPE_ANGLE,     // degrees
-    OPTION_TYPE_BYTES,     // bytes; K, M, G are powers of 1024
-    OPTION_TYPE_CHOICE,    // integer: the index among the choices
+    OPTION_TYPE_LENGTH, // metres
+    OPTION_TYPE_SPEED,  // metres a second
+    OPTION_TYPE_ANGLE,  // degrees
+    OPTION_TYPE_BYTES,  // bytes; K, M, G are powers of 1024
+    OPTION_TYPE_CHOICE, // integer: the index among the choices
     OPTION_TYPE_TEXT,
     OPTION_TYPE_PATH,
     OPTION_TYPE_POSITION,  // latitude, longitude in degrees, altitude in metres
@@ -38,7 +38,7 @@ typedef enum OptionId {
 #define OPTION_ENUM(id, ...) OPTION_##id,
     OPTION_TABLE(OPTION_ENUM)
 #undef OPTION_ENUM
-    OPTION_COUNT
+        OPTION_COUNT
 } OptionId;
 
 // One row of the table.
@@ -49,7 +49,7 @@ typedef struct OptionSpec {
     const char *argument;     // in help; NULL: the type says
     const char *default_text; // NULL: unset
     double least, greatest;
-    const char *choices;      // separated by '|'
+    const char *choices; // separated by '|'
     unsigned commands;
     const char *help;
 } OptionSpec;
@@ -57,7 +57,13 @@ const OptionSpec *option_spec(OptionId id);
 // "OVERFLY_PATCH_SIDE"; at most 63 characters.
 void option_environment_name(OptionId id, char out[64]);
 
-typedef enum OptionSource { SOURCE_UNSET, SOURCE_DEFAULT, SOURCE_FILE, SOURCE_ENVIRONMENT, SOURCE_COMMAND_LINE } OptionSource;
+typedef enum OptionSource {
+    SOURCE_UNSET,
+    SOURCE_DEFAULT,
+    SOURCE_FILE,
+    SOURCE_ENVIRONMENT,
+    SOURCE_COMMAND_LINE
+} OptionSource;
 const char *option_source_name(OptionSource source); // "command line"
 
 typedef struct Options Options;
@@ -66,17 +72,17 @@ typedef struct Options Options;
 MUST_USE Result options_create(CommandId command, Options **out);
 void options_destroy(Options **options);
 
-// Sets an option from its text. A source of lower precedence than the present one changes nothing, but is checked all the
-// same. `where` names the place for messages ("--tau", "OVERFLY_TAU", "overfly.conf:12: tau") and is kept. USAGE: the
-// value is not of the type or outside the range; the message says what was expected.
+// Sets an option from its text. A source of lower precedence than the present one changes nothing, but is checked all
+// the same. `where` names the place for messages ("--tau", "OVERFLY_TAU", "overfly.conf:12: tau") and is kept. USAGE:
+// the value is not of the type or outside the range; the message says what was expected.
 MUST_USE Result options_set(Options *options, OptionId id, const char *text, OptionSource source, const char *where);
 
 // Reads the command line after the subcommand's name. USAGE with the nearest valid name.
 MUST_USE Result options_read_arguments(Options *options, int argc, char *const *argv);
 // Reads OVERFLY_* from `environment` ("NAME=value", NULL at the end); unknown OVERFLY_* names are a warning.
 MUST_USE Result options_read_environment(Options *options, char *const *environment);
-// Reads an INI file: `name = value`, for all subcommands or under [subcommand]. NOT_FOUND says nothing; USAGE names file,
-// line and what was expected.
+// Reads an INI file: `name = value`, for all subcommands or under [subcommand]. NOT_FOUND says nothing; USAGE names
+// file, line and what was expected.
 MUST_USE Result options_read_file(Options *options, const char *path);
 
 CommandId options_command(const Options *options);

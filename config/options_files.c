@@ -39,8 +39,8 @@ static void warn_unknown_environment(const char *name, size_t length) {
     snprintf(typed, sizeof typed, "%.*s", (int)length, name);
     const char *nearest = suggest_nearest(typed + strlen(ENVIRONMENT_PREFIX), tails, OPTION_COUNT);
     if (nearest)
-        log_warn("environment variable %s is not known and does nothing; did you mean %s%s?", typed,
-                 ENVIRONMENT_PREFIX, nearest);
+        log_warn("environment variable %s is not known and does nothing; did you mean %s%s?", typed, ENVIRONMENT_PREFIX,
+                 nearest);
 }
 
 Result options_read_environment(Options *options, char *const *environment) {
@@ -67,9 +67,8 @@ static const struct {
     const char *name;
     CommandId command;
 } sections[] = {
-    {"", COMMANDS_ALL},           {"fly", COMMAND_FLY},     {"snapshot", COMMAND_SNAPSHOT},
-    {"mesh", COMMAND_MESH},       {"bench", COMMAND_BENCH}, {"info", COMMAND_INFO},
-    {"config", COMMAND_CONFIG},
+    {"", COMMANDS_ALL},       {"fly", COMMAND_FLY},   {"snapshot", COMMAND_SNAPSHOT}, {"mesh", COMMAND_MESH},
+    {"bench", COMMAND_BENCH}, {"info", COMMAND_INFO}, {"config", COMMAND_CONFIG},
 };
 
 static bool find_section(const IniEntry *entry, CommandId *out) {

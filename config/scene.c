@@ -12,8 +12,19 @@
 #include <string.h>
 
 // A key is checked as the option that means the same.
-typedef enum Key { KEY_DEM, KEY_DATUM, KEY_VOIDS, KEY_IMAGE, KEY_IMAGE_BOUNDS, KEY_POSITION, KEY_LOOK, KEY_SPEED,
-                   KEY_SUN, KEY_DEMO, KEY_COUNT } Key;
+typedef enum Key {
+    KEY_DEM,
+    KEY_DATUM,
+    KEY_VOIDS,
+    KEY_IMAGE,
+    KEY_IMAGE_BOUNDS,
+    KEY_POSITION,
+    KEY_LOOK,
+    KEY_SPEED,
+    KEY_SUN,
+    KEY_DEMO,
+    KEY_COUNT
+} Key;
 
 static const struct {
     const char *section, *name;

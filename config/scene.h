@@ -16,11 +16,11 @@ typedef struct Scene {
     char *name; // of the file, without folder and ending; "" without a file
     char *dem[SCENE_DEM_MAX];
     int dem_count;
-    char *image, *demo;    // NULL: none
-    int datum, voids;      // the choice's index in the option of that name; -1: not said
+    char *image, *demo; // NULL: none
+    int datum, voids;   // the choice's index in the option of that name; -1: not said
     bool has_position, has_look, has_speed, has_sun, has_image_bounds;
-    double position[3];     // latitude, longitude, altitude
-    double look[2];         // heading, pitch
+    double position[3]; // latitude, longitude, altitude
+    double look[2];     // heading, pitch
     double speed_m_s;
     double sun[2];          // azimuth, height
     double image_bounds[4]; // west, south, east, north

@@ -22,6 +22,7 @@
 #define KEY_PAD_8 328
 #define KEY_PAD_ENTER 335
 
+// clang-format off
 // X(identifier, keys for people, help). Held actions move a control for as long as their key is down; the others happen
 // once a press.
 #define ACTION_HELD_TABLE(X)                                                                                           \
@@ -52,6 +53,7 @@
     X(COLOURING, "l", "next colouring: land, level, cache, partition")                                                 \
     X(HELP, "F1", "help on and off")                                                                                   \
     X(LEAVE, "Esc", "leave")
+// clang-format on
 
 typedef enum Action {
 #define ACTION_ENUM(id, keys, help) ACTION_##id,

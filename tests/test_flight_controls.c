@@ -1,0 +1,241 @@
+// Keys to controls, actions to settings, demos to controls: what a person or a demo does with the aircraft.
+#define _DEFAULT_SOURCE
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "app/demo.h"
+#include "app/flight_settings.h"
+#include "app/frame_times.h"
+#include "input/keyboard.h"
+#include "terrain/geodesy.h"
+#include "tests/heard.h"
+
+#define STEP (1.0 / 120.0)
+
+static Controls hold(Keyboard *keyboard, double seconds) {
+    Controls controls = keyboard->controls;
+    for (int i = 0; i < (int)(seconds / STEP + 0.5); i++)
+        controls = keyboard_sample(keyboard, STEP);
+    return controls;
+}
+
+static void the_stick_deflects_while_held_and_centres_when_let_go(void **state) {
+    (void)state;
+    Keyboard keyboard = keyboard_create(0.4);
+    keyboard_on_key(&keyboard, KEY_DOWN, true, false);
+    keyboard_on_key(&keyboard, KEY_RIGHT, true, false);
+    Controls half = hold(&keyboard, 0.5 * KEYBOARD_STICK_S);
+    assert_true(half.elevator > 0.4 && half.elevator < 0.6 && half.aileron > 0.4 && half.aileron < 0.6);
+    Controls full = hold(&keyboard, 2.0);
+    assert_true(full.elevator == 1.0 && full.aileron == 1.0);
+    keyboard_on_key(&keyboard, KEY_DOWN, false, false);
+    keyboard_on_key(&keyboard, KEY_RIGHT, false, true); // shift came down in between
+    Controls centred = hold(&keyboard, KEYBOARD_CENTRE_S + STEP);
+    assert_true(centred.elevator == 0.0 && centred.aileron == 0.0 && centred.throttle == 0.4);
+    assert_false(keyboard_touches_controls(&keyboard));
+}
+
+static void opposite_keys_cancel_and_repeats_do_not_stick(void **state) {
+    (void)state;
+    Keyboard keyboard = keyboard_create(0.0);
+    for (int i = 0; i < 5; i++)
+        keyboard_on_key(&keyboard, KEY_LEFT, true, false);
+    keyboard_on_key(&keyboard, KEY_PAD_6, true, false);
+    assert_true(hold(&keyboard, 1.0).aileron == 0.0);
+    keyboard_on_key(&keyboard, KEY_PAD_6, false, false);
+    assert_true(hold(&keyboard, 1.0).aileron == -1.0);
+    keyboard_on_key(&keyboard, KEY_LEFT, false, false);
+    keyboard_on_key(&keyboard, KEY_LEFT, false, false);
+    assert_true(hold(&keyboard, 1.0).aileron == 0.0);
+    keyboard_on_key(&keyboard, -1, true, false);
+    keyboard_on_key(&keyboard, 9999, true, false);
+    assert_false(keyboard_touches_controls(&keyboard));
+}
+
+static void rudder_and_throttle_stay_until_changed(void **state) {
+    (void)state;
+    Keyboard keyboard = keyboard_create(0.9);
+    keyboard_on_key(&keyboard, KEY_ENTER, true, false);
+    keyboard_on_key(&keyboard, KEY_PAGE_UP, true, false);
+    hold(&keyboard, 0.5);
+    keyboard_on_key(&keyboard, KEY_ENTER, false, false);
+    keyboard_on_key(&keyboard, KEY_PAGE_UP, false, false);
+    Controls later = hold(&keyboard, 3.0);
+    assert_true(later.rudder > 0.45 && later.rudder < 0.55);
+    assert_true(later.throttle == 1.0);
+    keyboard_centre(&keyboard);
+    Controls centred = hold(&keyboard, STEP);
+    assert_true(centred.rudder == 0.0 && centred.throttle == 1.0);
+}
+
+static void presses_come_in_order_and_shift_matters(void **state) {
+    (void)state;
+    Keyboard keyboard = keyboard_create(0.0);
+    static const struct {
+        int key;
+        bool shift;
+        Action action;
+    } presses[] = {
+        {'T', false, ACTION_FINER},   {'T', true, ACTION_COARSER},     {'V', true, ACTION_VIEW_PREVIOUS},
+        {'X', true, ACTION_ZOOM_OUT}, {'A', true, ACTION_TIME_SLOWER}, {'P', false, ACTION_PAUSE},
+        {'5', false, ACTION_CENTRE},  {'M', true, ACTION_METHOD},      {KEY_F3, false, ACTION_SCREENSHOT},
+        {KEY_F1, false, ACTION_HELP}, {'L', false, ACTION_COLOURING},  {KEY_ESCAPE, false, ACTION_LEAVE},
+    };
+    for (size_t i = 0; i < COUNT_OF(presses); i++) {
+        keyboard_on_key(&keyboard, presses[i].key, true, presses[i].shift);
+        keyboard_on_key(&keyboard, presses[i].key, false, presses[i].shift);
+    }
+    keyboard_on_key(&keyboard, 'Q', true, false);
+    for (size_t i = 0; i < COUNT_OF(presses); i++)
+        assert_int_equal(keyboard_next_action(&keyboard), presses[i].action);
+    assert_int_equal(keyboard_next_action(&keyboard), ACTION_NONE);
+}
+
+static void every_action_has_keys_and_help(void **state) {
+    (void)state;
+    for (int i = 0; i < ACTION_COUNT; i++) {
+        assert_non_null(action_keys((Action)i));
+        assert_true(strlen(action_help((Action)i)) > 3);
+        bool bound = false;
+        for (int key = 0; key < 400 && !bound; key++)
+            bound = (int)action_of_key(key, false) == i || (int)action_of_key(key, true) == i;
+        if (!bound)
+            fail_msg("no key does '%s'", action_help((Action)i));
+    }
+}
+
+static FlightSettings default_settings(void) {
+    Options *options = NULL;
+    assert_int_equal(options_create(COMMAND_FLY, &options), RESULT_OK);
+    FlightSettings settings = flight_settings_create(options);
+    options_destroy(&options);
+    return settings;
+}
+
+static void keys_change_what_they_say(void **state) {
+    (void)state;
+    char message[64];
+    FlightSettings settings = default_settings();
+    assert_true(settings.tau_px == 1.0 && settings.method == LOD_HYBRID && settings.show_numbers);
+    for (int i = 0; i < 3; i++)
+        assert_true(flight_settings_apply(&settings, ACTION_FINER, message, sizeof message));
+    assert_true(fabs(settings.tau_px - 0.5) < 1e-12);
+    assert_non_null(strstr(message, "0.50"));
+    for (int i = 0; i < 99; i++)
+        flight_settings_apply(&settings, ACTION_COARSER, message, sizeof message);
+    assert_true(settings.tau_px == 64.0);
+    for (int i = 0; i < 99; i++)
+        flight_settings_apply(&settings, ACTION_ZOOM_IN, message, sizeof message);
+    assert_true(settings.fov_rad > 0.03 && settings.fov_rad < 0.04);
+    for (int i = 0; i < LOD_METHOD_COUNT; i++)
+        flight_settings_apply(&settings, ACTION_METHOD, message, sizeof message);
+    assert_int_equal(settings.method, LOD_HYBRID);
+    flight_settings_apply(&settings, ACTION_VIEW_PREVIOUS, message, sizeof message);
+    assert_int_equal(settings.view, CAMERA_DOWN);
+    flight_settings_apply(&settings, ACTION_VIEW_NEXT, message, sizeof message);
+    assert_int_equal(settings.view, CAMERA_COCKPIT);
+    flight_settings_apply(&settings, ACTION_HUD, message, sizeof message);
+    assert_true(settings.show_flight && !settings.show_numbers);
+    flight_settings_apply(&settings, ACTION_HUD, message, sizeof message);
+    assert_true(!settings.show_flight && !settings.show_numbers);
+    flight_settings_apply(&settings, ACTION_HUD, message, sizeof message);
+    assert_true(settings.show_flight && settings.show_numbers);
+    flight_settings_apply(&settings, ACTION_TIME_FASTER, message, sizeof message);
+    assert_string_equal(message, "time x 2");
+    assert_false(flight_settings_apply(&settings, ACTION_LEAVE, message, sizeof message));
+    assert_string_equal(message, "");
+}
+
+static bool hilly_ground(void *user, double lat_rad, double lon_rad, double *h_m) {
+    (void)user;
+    *h_m = 600.0 + 500.0 * sin(lat_rad * 3000.0) * cos(lon_rad * 2500.0);
+    return true;
+}
+
+static void a_demo_reaches_its_places_without_touching_the_ground(void **state) {
+    (void)state;
+    Demo demo = {.clearance_m = 120.0, .count = 6};
+    for (int i = 0; i < demo.count; i++)
+        demo.waypoints[i] = (Waypoint){0.64 + 0.001 * sin(i * 1.7), -1.47 + 0.0013 * cos(i * 2.3), 500.0, 110.0};
+    FlightStart start = {0.64, -1.47, 1500.0, 0.0, 0.0, 110.0};
+    Flight flight = flight_create(&start, (FlightGround){hilly_ground, NULL});
+    double lowest = 1e9;
+    int steps = 0;
+    for (; !demo_is_over(&demo) && steps < 120 * 1200; steps++) {
+        Controls controls = demo_fly(&demo, &flight);
+        flight_step(&flight, &controls, STEP);
+        lowest = fmin(lowest, flight_instruments(&flight).above_ground_m);
+        assert_int_not_equal(flight.state.contact, FLIGHT_CRASHED);
+    }
+    print_message("%d places in %.0f s, never below %.0f m\n", demo.next, steps * STEP, lowest);
+    assert_int_equal(demo.next, demo.count);
+    assert_true(lowest > 30.0);
+}
+
+static void broken_demos_are_refused_with_file_and_line(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *said;
+    } broken[] = {
+        {"to 36,-84\n", ":1: expected 'to LAT"},
+        {"\nto 36,-84,900m\n", ":2: expected 'to LAT"},
+        {"to 36,-84,900m 100kt fast\n", ":1: expected"},
+        {"to 36,-84,900m 5m/s\n", ":1: expected"},
+        {"clearance none\n", ":1: expected"},
+        {"# nothing\n", "goes nowhere"},
+        {"fly 36,-84,900m 100kt\n", ":1: expected"},
+        {"to 99,-84,900m 100kt\n", ":1: expected"},
+    };
+    for (size_t i = 0; i < COUNT_OF(broken); i++) {
+        char path[] = "/tmp/overfly-demo-XXXXXX";
+        int file = mkstemp(path);
+        assert_true(file >= 0);
+        assert_int_equal(write(file, broken[i].text, strlen(broken[i].text)), strlen(broken[i].text));
+        close(file);
+        Demo demo;
+        Heard heard;
+        heard_begin(&heard);
+        // The geoid is not reached: every line is refused before, but for the last, whose latitude is.
+        Result result = demo_read(path, NULL, &demo);
+        heard_end();
+        if (result != RESULT_FORMAT || heard.errors != 1 || !strstr(heard.text, broken[i].said))
+            fail_msg("%s: %s: %s; expected \"%s\"", broken[i].text, result_name(result), heard.text, broken[i].said);
+        unlink(path);
+    }
+}
+
+static void percentiles_are_of_the_latest_and_the_longest_of_all(void **state) {
+    (void)state;
+    static FrameTimes times; // too big for some stacks
+    times = (FrameTimes){.count = 0};
+    assert_true(frame_times_summary(&times, 100).p99 == 0.0);
+    frame_times_add(&times, 5000.0);
+    for (int i = 1; i <= FRAME_TIMES_KEPT + 1000; i++)
+        frame_times_add(&times, i % 100 + 1);
+    FrameTimesSummary all = frame_times_summary(&times, FRAME_TIMES_KEPT);
+    assert_true(fabs(all.p50 - 50.0) <= 1.0 && fabs(all.p99 - 99.0) <= 1.0 && fabs(all.p95 - 95.0) <= 1.0);
+    assert_true(all.max == 5000.0);
+    frame_times_add(&times, 7.0);
+    FrameTimesSummary last = frame_times_summary(&times, 1);
+    assert_true(last.p50 == 7.0 && last.p99 == 7.0);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_stick_deflects_while_held_and_centres_when_let_go),
+        cmocka_unit_test(opposite_keys_cancel_and_repeats_do_not_stick),
+        cmocka_unit_test(rudder_and_throttle_stay_until_changed),
+        cmocka_unit_test(presses_come_in_order_and_shift_matters),
+        cmocka_unit_test(every_action_has_keys_and_help),
+        cmocka_unit_test(keys_change_what_they_say),
+        cmocka_unit_test(a_demo_reaches_its_places_without_touching_the_ground),
+        cmocka_unit_test(broken_demos_are_refused_with_file_and_line),
+        cmocka_unit_test(percentiles_are_of_the_latest_and_the_longest_of_all),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
