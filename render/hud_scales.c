@@ -103,7 +103,7 @@ static void paint_scale(const HudPainter *painter, const Scale *scale) {
         double off = (mark - scale->value) / scale->per_unit * u;
         double opacity = hud_fade(fabs(off), half * 0.7, half - 4.0 * u);
         // The middle of the scale, where the readout lies, has no marks.
-        opacity *= 1.0 - hud_fade(fabs(off), 16.0 * u, 20.0 * u);
+        opacity *= 1.0 - hud_fade(fabs(off), 19.0 * u, 24.0 * u);
         if (opacity > 0.0)
             paint_scale_mark(painter, scale, mark, middle - (float)off, opacity);
     }

@@ -121,6 +121,21 @@ static void marker_is_drawn_where_the_flight_path_points(void **state) {
     assert_true(fabs(wings - y) < 0.5);
 }
 
+// The pointer under the bank scale: its tip touches the marks, at the bank angle from straight down to the right.
+static void bank_pointer_stands_at_the_bank_angle(void **state) {
+    Bench *bench = *state;
+    for (int degrees = -150; degrees <= 150; degrees += 50) {
+        double bank = degrees * GEODESY_RAD_PER_DEG;
+        RenderPacket packet = packet_make(0.3, bank);
+        draw(bench, &packet);
+        int x = (int)(WIDTH * 0.5 + 226.0 * sin(bank)), y = (int)(HEIGHT * 0.5 + 226.0 * cos(bank));
+        int light = bench->rgb[HEIGHT - 1 - y][x][1], beside = bench->rgb[HEIGHT - 1 - y][WIDTH - 1 - x][1];
+        print_message("bank %4d: light %d on the pointer, %d on the other side\n", degrees, light, beside);
+        assert_true(light > 200);
+        assert_true(degrees == 0 || beside < 60);
+    }
+}
+
 #define STATE_VALUES 64
 static int read_state(GLint out[STATE_VALUES]) {
     const GLenum INTEGERS[] = {GL_CURRENT_PROGRAM,   GL_VERTEX_ARRAY_BINDING, GL_ARRAY_BUFFER_BINDING, GL_ACTIVE_TEXTURE,
@@ -225,6 +240,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(drawn_horizon_is_within_half_a_pixel),
         cmocka_unit_test(marker_is_drawn_where_the_flight_path_points),
+        cmocka_unit_test(bank_pointer_stands_at_the_bank_angle),
         cmocka_unit_test(state_of_gl_is_as_before),
         cmocka_unit_test(picture_does_not_depend_on_the_state_before),
     };

@@ -35,10 +35,11 @@ Quad shape_quad(int kind) {
     return box_quad(in_a.xy, in_a.zw);
 }
 
-// Beyond the line from `from` to `to`, on its left as the picture is seen.
+// How far to the right of the way from `from` to `to`, as the picture is seen: outside, for a triangle that
+// is counter-clockwise.
 float side_distance(vec2 at, vec2 from, vec2 to) {
     vec2 along = normalize(to - from);
-    return dot(at - from, vec2(along.y, -along.x));
+    return dot(at - from, vec2(-along.y, along.x));
 }
 
 vec3 triangle_sides(vec2 at) {
