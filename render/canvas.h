@@ -45,8 +45,9 @@ void canvas_destroy(Canvas **canvas);
 // thin line, from which the width of halos follows, > 0.
 void canvas_begin(Canvas *canvas, float unit_px);
 
-// All shapes get a dark halo that keeps them readable over snow as over forest; halos and filled boxes lie below all other
-// shapes. Shapes that are fully transparent, or not finite, are left out; a shape that finds no memory is left out as well.
+// All shapes get a dark halo that keeps them readable over snow as over forest; halos and filled boxes lie below all
+// other shapes. Shapes that are fully transparent, or not finite, are left out; a shape that finds no memory is left
+// out as well.
 void canvas_line(Canvas *canvas, CanvasPoint a, CanvasPoint b, float width_px, CanvasColour colour); // flat ends
 void canvas_box(Canvas *canvas, CanvasRect box, float corner_px, CanvasColour colour);               // filled, no halo
 void canvas_frame(Canvas *canvas, CanvasRect box, float corner_px, float width_px, CanvasColour colour);

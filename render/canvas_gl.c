@@ -169,8 +169,8 @@ static void upload_atlas(CanvasGl *gl, const Text *text) {
     gl->atlas_revision = text_atlas_revision(text);
 }
 
-// Halos and boxes first, then what lies on them: one buffer, one call. The buffer's old contents are given up, so that the
-// driver need not wait for the frame before.
+// Halos and boxes first, then what lies on them: one buffer, one call. The buffer's old contents are given up, so that
+// the driver need not wait for the frame before.
 static int upload_shapes(CanvasGl *gl, const Canvas *canvas) {
     const CanvasShape *under, *over;
     int under_count = canvas_under(canvas, &under), over_count = canvas_over(canvas, &over);

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 
 #define RAD GEODESY_RAD_PER_DEG
-#define LINE 1.6f // units, width of lines
+#define LINE 1.6f           // units, width of lines
 #define CIRCLES_FROM_DEG 77 // rungs from here on are whole circles around the zenith, the same seen from any heading
 #define CIRCLE_PIECES 48
 #define OUTSIDE_OPACITY 0.45 // of a flight path marker that stands on the edge
@@ -160,7 +160,7 @@ static void paint_ladder(const HudPainter *painter) {
 static void paint_nose(const HudPainter *painter) {
     CanvasPoint c = painter->layout.centre;
     float u = painter->layout.unit;
-    const CanvasPoint bend[] = {{c.x - 24 * u, c.y},         {c.x - 12 * u, c.y}, {c.x - 6 * u, c.y + 8 * u}, {c.x, c.y},
+    const CanvasPoint bend[] = {{c.x - 24 * u, c.y},        {c.x - 12 * u, c.y}, {c.x - 6 * u, c.y + 8 * u}, {c.x, c.y},
                                 {c.x + 6 * u, c.y + 8 * u}, {c.x + 12 * u, c.y}, {c.x + 24 * u, c.y}};
     for (size_t i = 0; i + 1 < COUNT_OF(bend); i++)
         canvas_line(painter->canvas, bend[i], bend[i + 1], LINE * u, HUD_INK);
@@ -195,7 +195,8 @@ static void paint_flight_path(const HudPainter *painter, const RenderHud *hud) {
     CanvasPoint at;
     bool seen = hud_view_project(&painter->view, direction, &at);
     float distance = seen ? hypotf(at.x - layout->centre.x, at.y - layout->centre.y) : INFINITY;
-    double dimmed = 1.0 - (1.0 - OUTSIDE_OPACITY) * (1.0 - hud_fade(distance, 0.76 * layout->radius, 0.86 * layout->radius));
+    double dimmed =
+        1.0 - (1.0 - OUTSIDE_OPACITY) * (1.0 - hud_fade(distance, 0.76 * layout->radius, 0.86 * layout->radius));
     if (distance <= 0.86f * layout->radius)
         paint_marker(painter, at, hud_faded(HUD_ACCENT, opacity * dimmed));
     else if (opacity > 0.0)
@@ -213,8 +214,8 @@ static void paint_bank_marks(const HudPainter *painter) {
     double radius = painter->layout.radius, u = painter->layout.unit;
     for (size_t i = 0; i < COUNT_OF(MARKS); i++) {
         double length = MARKS[i] % 30 == 0 ? 12.0 : 7.0, angle = MARKS[i] * RAD;
-        canvas_line(painter->canvas, bank_point(painter, angle, radius), bank_point(painter, angle, radius + length * u),
-                    LINE * painter->layout.unit, HUD_DIM);
+        canvas_line(painter->canvas, bank_point(painter, angle, radius),
+                    bank_point(painter, angle, radius + length * u), LINE * painter->layout.unit, HUD_DIM);
     }
 }
 

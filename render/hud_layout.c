@@ -48,7 +48,8 @@ static CanvasRect mirrored(const HudLayout *layout, CanvasRect rect) {
 
 // The speed's column left of the circle; under the panel where the window is too narrow for both side by side.
 static void place_speed(HudLayout *layout) {
-    float u = layout->unit, right = layout->centre.x - layout->radius - 40.0f * u, left = right - fmaxf(88.0f * u, 7.2f * layout->small_px);
+    float u = layout->unit, right = layout->centre.x - layout->radius - 40.0f * u,
+          left = right - fmaxf(88.0f * u, 7.2f * layout->small_px);
     bool under_panel = layout->panel.x1 + 8.0f * u > left;
     float top = (under_panel ? layout->panel.y1 : 0.0f) + 8.0f * u;
     float middle = fmaxf(layout->centre.y, top + (18.0f + 16.0f) * u);
@@ -113,7 +114,8 @@ bool hud_view_project(const HudView *view, Vec3d direction, CanvasPoint *out) {
     return true;
 }
 
-// The horizon's image is the line X up.x + Y up.y = up.z, with X to the right and Y upwards in units of the focal length.
+// The horizon's image is the line X up.x + Y up.y = up.z, with X to the right and Y upwards in units of the focal
+// length.
 bool hud_view_horizon(const HudView *view, float radius_px, CanvasPoint *a, CanvasPoint *b) {
     double flat = hypot(view->up.x, view->up.y);
     double distance = view->focal_px * view->up.z; // from the centre to the line, times `flat`

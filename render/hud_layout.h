@@ -11,20 +11,20 @@
 // circle, and `help` replaces all others.
 typedef struct HudLayout {
     float width, height;
-    float unit;             // 1 at 1280 x 800; thin lines are a unit and a half
+    float unit;              // 1 at 1280 x 800; thin lines are a unit and a half
     float text_px, small_px; // sizes of text
-    float row_px;           // of the panel
+    float row_px;            // of the panel
     CanvasPoint centre;
-    float radius;           // of the bank scale; the ladder lies inside
-    CanvasRect heading;     // the scale with its readout
-    CanvasRect speed_scale, altitude_scale;     // empty (y0 == y1) where there is no room for scales
-    CanvasRect speed_box, altitude_box;         // the readouts
-    CanvasRect speed_title, altitude_title;     // one line above
-    CanvasRect speed_notes, altitude_notes;     // two lines below
-    CanvasRect panel;       // room for HUD_PANEL_ROWS; empty when not asked for
-    CanvasRect note;        // "paused"
+    float radius;                           // of the bank scale; the ladder lies inside
+    CanvasRect heading;                     // the scale with its readout
+    CanvasRect speed_scale, altitude_scale; // empty (y0 == y1) where there is no room for scales
+    CanvasRect speed_box, altitude_box;     // the readouts
+    CanvasRect speed_title, altitude_title; // one line above
+    CanvasRect speed_notes, altitude_notes; // two lines below
+    CanvasRect panel;                       // room for HUD_PANEL_ROWS; empty when not asked for
+    CanvasRect note;                        // "paused"
     CanvasRect message;
-    CanvasRect help;        // the most that the page of keys may take
+    CanvasRect help; // the most that the page of keys may take
 } HudLayout;
 
 // `width`, `height` >= 1.
@@ -32,9 +32,9 @@ HudLayout hud_layout_make(int width, int height, bool show_numbers);
 
 // The camera as the display needs it.
 typedef struct HudView {
-    Vec3d up;         // unit: the geodetic normal at the eye, camera frame
+    Vec3d up; // unit: the geodetic normal at the eye, camera frame
     Mat3d camera_from_ecef;
-    double focal_px;  // pixels per radian at the centre
+    double focal_px; // pixels per radian at the centre
     double centre_x, centre_y;
 } HudView;
 
@@ -44,13 +44,13 @@ HudView hud_view_make(const RenderCamera *camera, int width, int height);
 // to the side that no window shows it.
 bool hud_view_project(const HudView *view, Vec3d direction, CanvasPoint *out);
 
-// The part of the horizon (all directions at right angles to `up`) inside a circle around the view's centre; false when it
-// passes outside.
+// The part of the horizon (all directions at right angles to `up`) inside a circle around the view's centre; false when
+// it passes outside.
 bool hud_view_horizon(const HudView *view, float radius_px, CanvasPoint *a, CanvasPoint *b);
 
 // The frame of the pitch ladder in camera coordinates: `ahead` and `right` are level, `ahead` below or above the middle
-// of the view. `pitch_rad` is that of the view; towards the zenith `ahead` turns as fast as it likes, and `steady` falls from 1
-// at 84 degrees to 0 at 89, to fade by it what turns.
+// of the view. `pitch_rad` is that of the view; towards the zenith `ahead` turns as fast as it likes, and `steady`
+// falls from 1 at 84 degrees to 0 at 89, to fade by it what turns.
 typedef struct HudLadder {
     Vec3d ahead, right;
     double pitch_rad;

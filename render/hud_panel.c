@@ -88,7 +88,8 @@ void hud_paint_numbers(const HudPainter *painter, const RenderPacket *packet, co
 }
 
 // Copies what fits into `width_px`, with an ellipsis where something is left out.
-static void fit_text(const HudPainter *painter, const char *text, float size_px, float width_px, char *out, size_t bytes) {
+static void fit_text(const HudPainter *painter, const char *text, float size_px, float width_px, char *out,
+                     size_t bytes) {
     float room = width_px - text_width_px(painter->text, ELLIPSIS, size_px), used = 0.0f;
     size_t kept = 0;
     const char *at = text;

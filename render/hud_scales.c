@@ -7,9 +7,9 @@
 #include <stdio.h>
 
 #define RAD GEODESY_RAD_PER_DEG
-#define LINE 1.4f            // units, width of marks
-#define HEADING_STEP_DEG 5   // between marks; every second one is tall, every sixth has a label
-#define HEADING_SPACE 5.2    // units a degree
+#define LINE 1.4f          // units, width of marks
+#define HEADING_STEP_DEG 5 // between marks; every second one is tall, every sixth has a label
+#define HEADING_SPACE 5.2  // units a degree
 #define KMH_PER_M_S 3.6
 
 static float middle_of(float a, float b) {

@@ -4,8 +4,8 @@
 #pragma once
 #include "base/base.h"
 
-#define TEXT_ATLAS_PX 1024         // the atlas is a square of single bytes
-#define TEXT_REPLACEMENT 0xFFFDu   // stands for what is not valid UTF-8, or not in the font
+#define TEXT_ATLAS_PX 1024       // the atlas is a square of single bytes
+#define TEXT_REPLACEMENT 0xFFFDu // stands for what is not valid UTF-8, or not in the font
 
 // The distance at which the atlas' field ends, inside and outside of an outline. A byte b of the atlas means
 // (b - 128) / 128 * TEXT_SPREAD_EM, positive inside.

@@ -28,8 +28,8 @@
 #define ARGUMENTS_MAX 24
 #define GOLDEN_FOLDER SOURCE_DIR "/tests/golden"
 
-// Drivers round differently, and an edge may move to the next pixel: the mean over all channels, of 255, and the share of
-// pixels in which a channel differs by more than FAR. One Mesa version gives the same bytes each time.
+// Drivers round differently, and an edge may move to the next pixel: the mean over all channels, of 255, and the share
+// of pixels in which a channel differs by more than FAR. One Mesa version gives the same bytes each time.
 #define MEAN_MOST 1.5
 #define FAR 32
 #define FAR_SHARE_MOST 0.01
@@ -117,8 +117,9 @@ static bool is_alike(const char *name, const Picture *golden, const Picture *act
         far += worst > FAR;
     }
     double mean = sum / (double)(pixels * 3), far_share = (double)far / (double)pixels;
-    print_message("%-10s mean difference %.4f (at most %.1f), %.4f %% of pixels differ by more than %d (at most %.1f %%)\n",
-                  name, mean, MEAN_MOST, far_share * 100.0, FAR, FAR_SHARE_MOST * 100.0);
+    print_message(
+        "%-10s mean difference %.4f (at most %.1f), %.4f %% of pixels differ by more than %d (at most %.1f %%)\n", name,
+        mean, MEAN_MOST, far_share * 100.0, FAR, FAR_SHARE_MOST * 100.0);
     return mean <= MEAN_MOST && far_share <= FAR_SHARE_MOST;
 }
 

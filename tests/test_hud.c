@@ -130,10 +130,14 @@ static bool rects_overlap(CanvasRect a, CanvasRect b) {
 
 static int list_rects(const HudLayout *l, NamedRect out[16]) {
     const NamedRect all[] = {
-        {"heading", l->heading},       {"speed title", l->speed_title},
-        {"speed notes", l->speed_notes}, {"altitude title", l->altitude_title},
-        {"altitude notes", l->altitude_notes}, {"note", l->note},
-        {"message", l->message},       {"panel", l->panel},
+        {"heading", l->heading},
+        {"speed title", l->speed_title},
+        {"speed notes", l->speed_notes},
+        {"altitude title", l->altitude_title},
+        {"altitude notes", l->altitude_notes},
+        {"note", l->note},
+        {"message", l->message},
+        {"panel", l->panel},
         {"speed", l->speed_scale.y1 > l->speed_scale.y0 ? l->speed_scale : l->speed_box},
         {"altitude", l->altitude_scale.y1 > l->altitude_scale.y0 ? l->altitude_scale : l->altitude_box},
     };
@@ -153,7 +157,8 @@ static int count_layout_faults(int width, int height, bool numbers) {
     int count = list_rects(&layout, rects), faults = 0;
     for (int i = 0; i < count; i++) {
         CanvasRect r = rects[i].rect;
-        bool outside = r.x0 < 0 || r.y0 < 0 || r.x1 > (float)width || r.y1 > (float)height || r.x1 < r.x0 || r.y1 < r.y0;
+        bool outside =
+            r.x0 < 0 || r.y0 < 0 || r.x1 > (float)width || r.y1 > (float)height || r.x1 < r.x0 || r.y1 < r.y0;
         bool empty = r.x0 == r.x1;
         bool in_circle = !empty && rect_distance(layout.centre, r) < layout.radius + 11.0f * layout.unit;
         for (int j = 0; j < i; j++)
@@ -181,11 +186,26 @@ static void parts_do_not_overlap_at_any_size(void **state) {
 }
 
 static const RenderHelpRow HELP[] = {
-    {"PgUp", "more throttle"}, {"PgDn", "less throttle"}, {"Up", "nose down"},        {"Down", "nose up"},
-    {"Enter", "rudder right"}, {"0", "rudder left"},      {"Esc", "leave"},           {"F1", "help on and off"},
-    {"F3", "write a picture"}, {"t", "smaller error"},    {"T", "larger error"},      {"m", "next level-of-detail method"},
-    {"w", "edges on and off"}, {"Home", "to the start"},  {"p", "pause"},             {"x", "narrower field of view"},
-    {"a", "time runs faster"}, {"h", "display on, off"},  {"X", "wider field of view"}, {"v", "next view"},
+    {"PgUp", "more throttle"},
+    {"PgDn", "less throttle"},
+    {"Up", "nose down"},
+    {"Down", "nose up"},
+    {"Enter", "rudder right"},
+    {"0", "rudder left"},
+    {"Esc", "leave"},
+    {"F1", "help on and off"},
+    {"F3", "write a picture"},
+    {"t", "smaller error"},
+    {"T", "larger error"},
+    {"m", "next level-of-detail method"},
+    {"w", "edges on and off"},
+    {"Home", "to the start"},
+    {"p", "pause"},
+    {"x", "narrower field of view"},
+    {"a", "time runs faster"},
+    {"h", "display on, off"},
+    {"X", "wider field of view"},
+    {"v", "next view"},
     {"l", "next colouring: land, level, cache, partition"},
 };
 
@@ -203,13 +223,17 @@ static RenderPacket extreme_packet(void) {
     packet.hud.crashed = true;
     packet.hud.help = HELP;
     packet.hud.help_count = COUNT_OF(HELP);
-    packet.hud.message = "a message that is far longer than any window of this program is ever likely to be wide, so that "
-                         "something has to be left out of it at the end, which is shown by three dots as it should be; "
-                         "and still it goes on and on, for the sake of the widest of all screens, with \xCF\x84 and \xC3\xA9";
+    packet.hud.message =
+        "a message that is far longer than any window of this program is ever likely to be wide, so that "
+        "something has to be left out of it at the end, which is shown by three dots as it should be; "
+        "and still it goes on and on, for the sake of the widest of all screens, with \xCF\x84 and \xC3\xA9";
     packet.cut.view.tau_px = 999.99;
     packet.cut.reached_px = 1000.5;
-    packet.cut.stats = (LodStats){.triangles = 40000000, .patches = 1234567, .patches_reused = 1234567,
-                                  .triangles_rebuilt = 40000000, .refine_ns = 12345678901};
+    packet.cut.stats = (LodStats){.triangles = 40000000,
+                                  .patches = 1234567,
+                                  .patches_reused = 1234567,
+                                  .triangles_rebuilt = 40000000,
+                                  .refine_ns = 12345678901};
     return packet;
 }
 
@@ -240,10 +264,12 @@ static int count_text_faults(const Canvas *canvas, int width, int height) {
 
 static void text_stays_inside_and_apart_at_its_widest(void **state) {
     Bench *bench = *state;
-    RenderStats previous = {.upload_bytes = 999949999, .vram_bytes = 99994999999, .upload_ms = 1234.5, .draw_ms = 1234.5, .software = true};
+    RenderStats previous = {
+        .upload_bytes = 999949999, .vram_bytes = 99994999999, .upload_ms = 1234.5, .draw_ms = 1234.5, .software = true};
     int faults = 0;
-    const int SIZES[][2] = {{640, 400}, {640, 480}, {640, 1200}, {800, 400}, {800, 600}, {921, 576}, {1024, 768}, {1280, 720},
-                            {1280, 800}, {1366, 768}, {1920, 1080}, {2560, 1080}, {3840, 2160}, {4096, 500}};
+    const int SIZES[][2] = {{640, 400},   {640, 480},   {640, 1200},  {800, 400},  {800, 600},
+                            {921, 576},   {1024, 768},  {1280, 720},  {1280, 800}, {1366, 768},
+                            {1920, 1080}, {2560, 1080}, {3840, 2160}, {4096, 500}};
     for (size_t i = 0; i < COUNT_OF(SIZES); i++)
         for (int help = 0; help < 2; help++) {
             RenderPacket packet = extreme_packet();
@@ -251,7 +277,8 @@ static void text_stays_inside_and_apart_at_its_widest(void **state) {
             hud_paint(bench->canvas, bench->text, &packet, &previous, SIZES[i][0], SIZES[i][1]);
             int found = count_text_faults(bench->canvas, SIZES[i][0], SIZES[i][1]);
             if (found)
-                print_error("%dx%d, help %d: %d glyphs outside or over others\n", SIZES[i][0], SIZES[i][1], help, found);
+                print_error("%dx%d, help %d: %d glyphs outside or over others\n", SIZES[i][0], SIZES[i][1], help,
+                            found);
             faults += found;
         }
     assert_int_equal(faults, 0);
@@ -279,7 +306,8 @@ static bool is_colour(const CanvasShape *shape, CanvasColour colour) {
 
 // True when the horizon passes within half a pixel of the point: half a pixel to both sides of the drawn line lie on
 // different sides of it.
-static bool near_horizon(const RenderPacket *packet, Place place, int width, int height, const float *line, float x, float y) {
+static bool near_horizon(const RenderPacket *packet, Place place, int width, int height, const float *line, float x,
+                         float y) {
     double along_x = line[2] - line[0], along_y = line[3] - line[1], length = hypot(along_x, along_y);
     double nx = -along_y / length * 0.5, ny = along_x / length * 0.5;
     long double a = pixel_elevation(&packet->camera, place, width, height, x + nx, y + ny);
@@ -321,8 +349,10 @@ static void horizon_is_within_half_a_pixel(void **state) {
     int checked = 0;
     const int SIZES[][2] = {{640, 400}, {1280, 800}, {3840, 2160}};
     for (int i = 0; i < 3000; i++) {
-        Place place = {random_between(&seed, -1.57, 1.57), random_between(&seed, -3.2, 3.2), random_between(&seed, -400, 20000)};
-        Axes axes = axes_turn(place, random_between(&seed, 0, 6.3), random_between(&seed, -0.6, 0.6), random_between(&seed, -3.2, 3.2));
+        Place place = {random_between(&seed, -1.57, 1.57), random_between(&seed, -3.2, 3.2),
+                       random_between(&seed, -400, 20000)};
+        Axes axes = axes_turn(place, random_between(&seed, 0, 6.3), random_between(&seed, -0.6, 0.6),
+                              random_between(&seed, -3.2, 3.2));
         RenderPacket packet = packet_make(place, axes, random_between(&seed, 5, 150) * RAD);
         checked += horizon_lines_checked(bench, &packet, place, SIZES[i % 3][0], SIZES[i % 3][1]);
     }
@@ -334,7 +364,8 @@ static void horizon_is_within_half_a_pixel(void **state) {
 static void true_pixel(const RenderCamera *camera, Vec3d direction, int width, int height, long double out[2]) {
     long double d[3] = {direction.x, direction.y, direction.z}, c[3];
     for (int i = 0; i < 3; i++)
-        c[i] = camera->camera_from_ecef.m[i][0] * d[0] + camera->camera_from_ecef.m[i][1] * d[1] + camera->camera_from_ecef.m[i][2] * d[2];
+        c[i] = camera->camera_from_ecef.m[i][0] * d[0] + camera->camera_from_ecef.m[i][1] * d[1] +
+               camera->camera_from_ecef.m[i][2] * d[2];
     long double scale = height / (2.0L * tanl((long double)camera->fov_y_rad / 2.0L));
     out[0] = width / 2.0L + scale * c[0] / -c[2];
     out[1] = height / 2.0L - scale * c[1] / -c[2];
@@ -360,10 +391,13 @@ static void flight_path_marker_is_within_half_a_pixel(void **state) {
     double worst = 0.0;
     int checked = 0;
     for (int i = 0; i < 3000; i++) {
-        Place place = {random_between(&seed, -1.57, 1.57), random_between(&seed, -3.2, 3.2), random_between(&seed, -400, 20000)};
-        Axes axes = axes_turn(place, random_between(&seed, 0, 6.3), random_between(&seed, -1.57, 1.57), random_between(&seed, -3.2, 3.2));
+        Place place = {random_between(&seed, -1.57, 1.57), random_between(&seed, -3.2, 3.2),
+                       random_between(&seed, -400, 20000)};
+        Axes axes = axes_turn(place, random_between(&seed, 0, 6.3), random_between(&seed, -1.57, 1.57),
+                              random_between(&seed, -3.2, 3.2));
         RenderPacket packet = packet_make(place, axes, random_between(&seed, 20, 150) * RAD);
-        Vec3d drift = vec3d_mad(vec3d_scale(axes.right, random_between(&seed, -6, 6)), axes.up, random_between(&seed, -6, 6));
+        Vec3d drift =
+            vec3d_mad(vec3d_scale(axes.right, random_between(&seed, -6, 6)), axes.up, random_between(&seed, -6, 6));
         packet.hud.velocity_ecef = vec3d_mad(drift, axes.forward, random_between(&seed, 60, 300));
         hud_paint(bench->canvas, bench->text, &packet, NULL, 1280, 800);
         long double expected[2];
@@ -375,7 +409,8 @@ static void flight_path_marker_is_within_half_a_pixel(void **state) {
         worst = fmax(worst, (double)hypotl(x - expected[0], y - expected[1]));
         checked++;
     }
-    print_message("seed %llu: %d markers; expected within 0.5 px, found %.6f px\n", (unsigned long long)first_seed, checked, worst);
+    print_message("seed %llu: %d markers; expected within 0.5 px, found %.6f px\n", (unsigned long long)first_seed,
+                  checked, worst);
     assert_true(checked > 1000);
     assert_true(worst < 0.5);
 }
@@ -446,7 +481,8 @@ static double ink_change(const Ink *a, const Ink *b) {
     return sum;
 }
 
-// A manoeuvre: the aircraft turns once around an axis fixed in its own frame (x forward, y right, z down), from an attitude.
+// A manoeuvre: the aircraft turns once around an axis fixed in its own frame (x forward, y right, z down), from an
+// attitude.
 typedef struct Manoeuvre {
     const char *name;
     double pitch, bank; // at the start, degrees
@@ -522,11 +558,15 @@ static void numbers_are_written_for_people(void **state) {
     char text[HUD_NUMBER_BYTES];
     const char *unit;
     hud_format_fixed(text, 1234567.0, 0);
-    assert_string_equal(text, "1\xE2\x80\x89" "234\xE2\x80\x89" "567");
+    assert_string_equal(text, "1\xE2\x80\x89"
+                              "234\xE2\x80\x89"
+                              "567");
     hud_format_fixed(text, -0.04, 1);
     assert_string_equal(text, "0.0");
     hud_format_fixed(text, -999.96, 1);
-    assert_string_equal(text, "\xE2\x88\x92" "1\xE2\x80\x89" "000.0");
+    assert_string_equal(text, "\xE2\x88\x92"
+                              "1\xE2\x80\x89"
+                              "000.0");
     hud_format_signed(text, 2.34, 1);
     assert_string_equal(text, "+2.3");
     hud_format_fixed(text, (double)INFINITY, 1);

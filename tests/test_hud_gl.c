@@ -33,13 +33,22 @@ static RenderPacket packet_make(double pitch, double bank) {
     Vec3d forward = {sin(pitch), 0.0, cos(pitch)}, top = {cos(pitch), 0.0, -sin(pitch)}, east = {0.0, 1.0, 0.0};
     Vec3d right = vec3d_mad(vec3d_scale(east, cos(bank)), top, -sin(bank));
     Vec3d up = vec3d_mad(vec3d_scale(top, cos(bank)), east, sin(bank));
-    packet.camera = (RenderCamera){{GEODESY_A_M + 1000.0, 0.0, 0.0},
-                                   {{{right.x, right.y, right.z}, {up.x, up.y, up.z}, {-forward.x, -forward.y, -forward.z}}},
-                                   60.0 * GEODESY_RAD_PER_DEG};
+    packet.camera =
+        (RenderCamera){{GEODESY_A_M + 1000.0, 0.0, 0.0},
+                       {{{right.x, right.y, right.z}, {up.x, up.y, up.z}, {-forward.x, -forward.y, -forward.z}}},
+                       60.0 * GEODESY_RAD_PER_DEG};
     packet.cut.view.tau_px = packet.cut.reached_px = 1.0;
-    packet.hud = (RenderHud){.show_flight = true, .pitch_rad = pitch, .bank_rad = bank, .speed_m_s = 70.0,
-                             .altitude_m = 1000.0, .above_ground_m = 500.0, .throttle = 0.5, .over_terrain = true,
-                             .datum = "EGM96", .method = "hybrid", .velocity_ecef = vec3d_scale(forward, 70.0)};
+    packet.hud = (RenderHud){.show_flight = true,
+                             .pitch_rad = pitch,
+                             .bank_rad = bank,
+                             .speed_m_s = 70.0,
+                             .altitude_m = 1000.0,
+                             .above_ground_m = 500.0,
+                             .throttle = 0.5,
+                             .over_terrain = true,
+                             .datum = "EGM96",
+                             .method = "hybrid",
+                             .velocity_ecef = vec3d_scale(forward, 70.0)};
     return packet;
 }
 
@@ -94,8 +103,8 @@ static void drawn_horizon_is_within_half_a_pixel(void **state) {
         packet.hud.velocity_ecef = (Vec3d){0.0, 0.0, 0.0}; // no marker in the way
         draw(bench, &packet);
         for (int side = -1; side <= 1; side += 2) {
-            // Level flight directions lie on y = -tan(pitch) / cos(bank) - x tan(bank), in units of the focal length, y upwards
-            // and x to the right: the horizon rises to the right in a right bank.
+            // Level flight directions lie on y = -tan(pitch) / cos(bank) - x tan(bank), in units of the focal length, y
+            // upwards and x to the right: the horizon rises to the right in a right bank.
             int column = WIDTH / 2 + side * 150;
             double x = (column + 0.5 - WIDTH * 0.5) / focal;
             double expected = HEIGHT * 0.5 - focal * (x * tan(bank) - tan(pitch) / cos(bank));
@@ -138,12 +147,14 @@ static void bank_pointer_stands_at_the_bank_angle(void **state) {
 
 #define STATE_VALUES 64
 static int read_state(GLint out[STATE_VALUES]) {
-    const GLenum INTEGERS[] = {GL_CURRENT_PROGRAM,   GL_VERTEX_ARRAY_BINDING, GL_ARRAY_BUFFER_BINDING, GL_ACTIVE_TEXTURE,
-                               GL_BLEND_SRC_RGB,     GL_BLEND_DST_RGB,        GL_BLEND_SRC_ALPHA,      GL_BLEND_DST_ALPHA,
-                               GL_BLEND_EQUATION_RGB, GL_UNPACK_ALIGNMENT,    GL_UNPACK_ROW_LENGTH,    GL_PIXEL_UNPACK_BUFFER_BINDING,
-                               GL_DEPTH_FUNC,        GL_DEPTH_WRITEMASK,      GL_DRAW_FRAMEBUFFER_BINDING, GL_TEXTURE_BINDING_2D,
-                               GL_SAMPLER_BINDING,   GL_CLIP_ORIGIN,          GL_CLIP_DEPTH_MODE};
-    const GLenum SWITCHES[] = {GL_BLEND, GL_DEPTH_TEST, GL_STENCIL_TEST, GL_CULL_FACE, GL_SCISSOR_TEST, GL_FRAMEBUFFER_SRGB};
+    const GLenum INTEGERS[] = {
+        GL_CURRENT_PROGRAM,    GL_VERTEX_ARRAY_BINDING, GL_ARRAY_BUFFER_BINDING,     GL_ACTIVE_TEXTURE,
+        GL_BLEND_SRC_RGB,      GL_BLEND_DST_RGB,        GL_BLEND_SRC_ALPHA,          GL_BLEND_DST_ALPHA,
+        GL_BLEND_EQUATION_RGB, GL_UNPACK_ALIGNMENT,     GL_UNPACK_ROW_LENGTH,        GL_PIXEL_UNPACK_BUFFER_BINDING,
+        GL_DEPTH_FUNC,         GL_DEPTH_WRITEMASK,      GL_DRAW_FRAMEBUFFER_BINDING, GL_TEXTURE_BINDING_2D,
+        GL_SAMPLER_BINDING,    GL_CLIP_ORIGIN,          GL_CLIP_DEPTH_MODE};
+    const GLenum SWITCHES[] = {GL_BLEND,     GL_DEPTH_TEST,   GL_STENCIL_TEST,
+                               GL_CULL_FACE, GL_SCISSOR_TEST, GL_FRAMEBUFFER_SRGB};
     int count = 0;
     for (size_t i = 0; i < COUNT_OF(INTEGERS); i++)
         glGetIntegerv(INTEGERS[i], &out[count++]);

@@ -16,8 +16,7 @@
 
 static int open_font(void **state) {
     char path[PATHS_BYTES_MAX];
-    return paths_find_data("fonts/DejaVuSans.ttf", path) != RESULT_OK ||
-           text_create(path, (Text **)state) != RESULT_OK;
+    return paths_find_data("fonts/DejaVuSans.ttf", path) != RESULT_OK || text_create(path, (Text **)state) != RESULT_OK;
 }
 
 static int close_font(void **state) {
@@ -93,7 +92,8 @@ static void measures_are_those_of_the_font_file(void **state) {
 static void field_is_positive_inside_the_strokes(void **state) {
     Text *text = *state;
     const TextGlyph *glyph = text_find_glyph(text, 'l');
-    int column = (int)((glyph->u0 + glyph->u1) * 0.5f * TEXT_ATLAS_PX), row = (int)((glyph->v0 + glyph->v1) * 0.5f * TEXT_ATLAS_PX);
+    int column = (int)((glyph->u0 + glyph->u1) * 0.5f * TEXT_ATLAS_PX),
+        row = (int)((glyph->v0 + glyph->v1) * 0.5f * TEXT_ATLAS_PX);
     const uint8_t *line = text_atlas(text) + (size_t)row * TEXT_ATLAS_PX;
     print_message("in the stroke %d, beside it %d\n", line[column], line[(int)(glyph->u0 * TEXT_ATLAS_PX) + 1]);
     assert_true(line[column] > 128);
@@ -140,7 +140,8 @@ static void text_is_placed_by_its_alignment(void **state) {
         assert_int_equal(canvas_over(canvas, &shapes), 3);
         left[i] = shapes[0].a[0];
     }
-    print_message("left ends %.2f %.2f %.2f, width %.2f\n", (double)left[0], (double)left[1], (double)left[2], (double)width);
+    print_message("left ends %.2f %.2f %.2f, width %.2f\n", (double)left[0], (double)left[1], (double)left[2],
+                  (double)width);
     assert_float_equal(left[0] - left[1], width * 0.5f, 1e-3f);
     assert_float_equal(left[0] - left[2], width, 1e-3f);
     canvas_destroy(&canvas);
