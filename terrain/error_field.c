@@ -12,7 +12,7 @@
 #include <sys/mman.h>
 
 #define HUGE_PAGE (1 << 21) // bytes
-#define PAD 16 // zero entries west of a row and at least as many east of it: neighbours need no test
+#define PAD 16              // zero entries west of a row and at least as many east of it: neighbours need no test
 // Two roundings to the lattice move a distance by less than this; the rest is slack for double rounding.
 #define NESTING_SLACK_M 0.002f
 // A drawn vertex is at most sqrt(3)/2 lattice units from its exact place.
@@ -182,7 +182,8 @@ static void mark_forced(const ErrorWork *work, ErrorField *field) {
         if (too_large(work, plane))
             force_plane(plane);
         for (int32_t i = 0; i < work->forced_count[k]; i++)
-            plane->delta[(size_t)work->forced[k][i].j * plane->stride + (size_t)work->forced[k][i].i] = ERROR_FIELD_ALWAYS;
+            plane->delta[(size_t)work->forced[k][i].j * plane->stride + (size_t)work->forced[k][i].i] =
+                ERROR_FIELD_ALWAYS;
     }
 }
 

@@ -1,11 +1,12 @@
 // terrain/error_field.h: the nested error and radius of every vertex of the longest-edge bisection.
 // Metres. A vertex is known by its column and row; its step s is the lowest set bit of (col | row). With s its
-// diamond is an edge midpoint where (col/s + row/s) is odd: hypotenuse (+-s, 0) where col/s is odd, (0, +-s) otherwise; and a centre
-// where both are odd: hypotenuse (-s,-s)-(s,s) where (col/2s + row/2s) is even, (s,-s)-(-s,s) otherwise.
+// diamond is an edge midpoint where (col/s + row/s) is odd: hypotenuse (+-s, 0) where col/s is odd, (0, +-s) otherwise;
+// and a centre where both are odd: hypotenuse (-s,-s)-(s,s) where (col/2s + row/2s) is even, (s,-s)-(-s,s) otherwise.
 // An ErrorField owns its planes; constant after creation, any thread may read it.
 //
 // Sources: Loeffler, Schwanke, Schumann 2010, section 3 (level by level, all diamonds of a level in parallel);
-// Lindstrom, Pascucci 2002, section 4 (nested errors and radii). Our own: packed planes, 16 bits rounded up, the total error.
+// Lindstrom, Pascucci 2002, section 4 (nested errors and radii). Our own: packed planes, 16 bits rounded up, the total
+// error.
 #pragma once
 #include "base/base.h"
 #include "terrain/forest.h"
@@ -63,10 +64,10 @@ typedef struct ErrorFieldInput {
 } ErrorFieldInput;
 
 // Nested: for each child c of a vertex v, delta(v) >= delta(c) and radius(v) >= |p(v) - p(c)| + radius(c), p on the
-// lattice, with more slack than double rounding can use up. With TERRAIN_ERROR_TOTAL, moreover, delta(v) is at least the distance
-// |P - Q| for each sample P in v's two triangles and the point Q of the drawn triangle at the same column and row.
-// Corners of base tiles, and their ancestors where a smaller tile meets a larger one, are ERROR_FIELD_ALWAYS, with radius 0.
-// The same bytes for any number of workers.
+// lattice, with more slack than double rounding can use up. With TERRAIN_ERROR_TOTAL, moreover, delta(v) is at least
+// the distance |P - Q| for each sample P in v's two triangles and the point Q of the drawn triangle at the same column
+// and row. Corners of base tiles, and their ancestors where a smaller tile meets a larger one, are ERROR_FIELD_ALWAYS,
+// with radius 0. The same bytes for any number of workers.
 MUST_USE Result error_field_create(const ErrorFieldInput *input, Jobs *jobs, ErrorField *out);
 void error_field_destroy(ErrorField *field);
 

@@ -1,6 +1,7 @@
-// The papers' baseline ("rpcs" of Loeffler et al. 2010, table 1): the bintree of each base tile is traversed triangle by
-// triangle. One traversal that takes the maximum over a triangle's own children is not nested, since a diamond's two
-// triangles are visited apart; so there is one traversal for each level, finest first, and each visit takes the whole diamond.
+// The papers' baseline ("rpcs" of Loeffler et al. 2010, table 1): the bintree of each base tile is traversed triangle
+// by triangle. One traversal that takes the maximum over a triangle's own children is not nested, since a diamond's two
+// triangles are visited apart; so there is one traversal for each level, finest first, and each visit takes the whole
+// diamond.
 #include "terrain/error_rows.h"
 
 typedef struct Corner {

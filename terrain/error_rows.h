@@ -18,9 +18,9 @@ typedef struct ErrorForced {
 
 typedef struct ErrorWork {
     const ErrorFieldInput *input;
-    int width, height;                       // samples
-    ErrorTerms *terms[FOREST_LEVEL_MAX];     // [plane][row]
-    ErrorForced *forced[FOREST_LEVEL_MAX];   // corners of base tiles
+    int width, height;                     // samples
+    ErrorTerms *terms[FOREST_LEVEL_MAX];   // [plane][row]
+    ErrorForced *forced[FOREST_LEVEL_MAX]; // corners of base tiles
     int32_t forced_count[FOREST_LEVEL_MAX];
 } ErrorWork;
 

@@ -1,7 +1,8 @@
-// The own part of the total error: for each diamond the largest deviation of a sample inside from its triangles' planes.
-// Samples on the diamond's sides belong to its children as well, so only the inside is scanned here; nesting adds the
-// rest. To it come bounds for what the planes of heights leave out: the map's curvature and the turning vertical.
-// Large diamonds are cut into bands of rows, so that two workers share them; a maximum does not mind the order.
+// The own part of the total error: for each diamond the largest deviation of a sample inside from its triangles'
+// planes. Samples on the diamond's sides belong to its children as well, so only the inside is scanned here; nesting
+// adds the rest. To it come bounds for what the planes of heights leave out: the map's curvature and the turning
+// vertical. Large diamonds are cut into bands of rows, so that two workers share them; a maximum does not mind the
+// order.
 #include "terrain/error_rows.h"
 
 #include "base/log.h"
@@ -49,11 +50,11 @@ static const float *sample(const Scan *scan, int col, int row) {
 // One diamond: its centre, step, and the heights that fix its planes.
 typedef struct Diamond {
     int col, row, step;
-    bool horizontal;               // of an edge midpoint
-    float middle, along;           // of the hypotenuse: height at its middle, rise a sample
-    float before, after;           // rise a sample towards the apex north or west, south or east
+    bool horizontal;     // of an edge midpoint
+    float middle, along; // of the hypotenuse: height at its middle, rise a sample
+    float before, after; // rise a sample towards the apex north or west, south or east
     bool has_before, has_after;
-    int32_t range;                 // of the corners' heights, as bits
+    int32_t range; // of the corners' heights, as bits
 } Diamond;
 
 static float apex_rise(const Scan *scan, const Diamond *d, int col, int row, float *least, float *most) {
@@ -114,9 +115,9 @@ static int32_t scan_edge(const Scan *scan, const Diamond *d, int y_begin, int y_
 // A centre: a square of side 2 s with two triangles. West plane: the corner on the west side off the hypotenuse.
 typedef struct Square {
     int col, row, step;
-    bool rising;            // hypotenuse from south-west to north-east
+    bool rising; // hypotenuse from south-west to north-east
     float middle;
-    float west_x, west_y;   // slopes a sample of the plane through the western apex
+    float west_x, west_y; // slopes a sample of the plane through the western apex
     float east_x, east_y;
     int32_t range;
 } Square;

@@ -9,8 +9,8 @@ static int32_t largest_side(int32_t cells) {
     return side;
 }
 
-// Visits the tiles of the rectangle: a block of the largest side that fits, then the strip east of it, then the strip south of
-// both. Each recursion works on a strip narrower than the block's side, so alignment is kept.
+// Visits the tiles of the rectangle: a block of the largest side that fits, then the strip east of it, then the strip
+// south of both. Each recursion works on a strip narrower than the block's side, so alignment is kept.
 static int32_t cover(int32_t col, int32_t row, int32_t cols, int32_t rows, ForestTile *tiles) {
     if (cols == 0 || rows == 0)
         return 0;

@@ -9,7 +9,7 @@
 
 typedef struct IndexPool {
     void *free_lists[INDEX_POOL_CLASSES];
-    void *blocks;                // chain of everything allocated
+    void *blocks; // chain of everything allocated
     size_t system_allocations;
 } IndexPool;
 

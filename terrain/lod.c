@@ -33,13 +33,15 @@ bool lod_method_from_name(const char *name, LodMethod *out) {
 }
 
 LodOptions lod_default_options(void) {
-    return (LodOptions){.method = LOD_HYBRID, .max_triangles = 4000000, .page_bytes_max = (size_t)256 << 20, .reuse = true};
+    return (LodOptions){
+        .method = LOD_HYBRID, .max_triangles = 4000000, .page_bytes_max = (size_t)256 << 20, .reuse = true};
 }
 
 Result lod_create(const LodOptions *options, const Terrain *terrain, Lod **out) {
     if (options->partitions < 0 || options->partitions > LOD_PARTITIONS_MAX || options->max_triangles < 1) {
-        log_error("level of detail: %d partitions, %lld triangles at most: give 0 to %d partitions, and a triangle or more",
-                  options->partitions, (long long)options->max_triangles, LOD_PARTITIONS_MAX);
+        log_error(
+            "level of detail: %d partitions, %lld triangles at most: give 0 to %d partitions, and a triangle or more",
+            options->partitions, (long long)options->max_triangles, LOD_PARTITIONS_MAX);
         return RESULT_RANGE;
     }
     Lod *lod = calloc(1, sizeof *lod);
@@ -72,9 +74,10 @@ static Result check_view(const LodView *view) {
     if (isfinite(view->eye_ecef.x) && isfinite(view->eye_ecef.y) && isfinite(view->eye_ecef.z) &&
         is_positive(view->px_per_rad) && is_positive(view->tau_px))
         return RESULT_OK;
-    log_error("level of detail: a view with eye (%g, %g, %g), %g px/rad, tolerance %g px: all must be finite, the last two "
-              "positive",
-              view->eye_ecef.x, view->eye_ecef.y, view->eye_ecef.z, view->px_per_rad, view->tau_px);
+    log_error(
+        "level of detail: a view with eye (%g, %g, %g), %g px/rad, tolerance %g px: all must be finite, the last two "
+        "positive",
+        view->eye_ecef.x, view->eye_ecef.y, view->eye_ecef.z, view->px_per_rad, view->tau_px);
     return RESULT_RANGE;
 }
 

@@ -1,7 +1,8 @@
-// terrain/lod_brute.c: every sample, all the time: the reference that the other methods are measured against. The budget
-// does not apply to it.
+// terrain/lod_brute.c: every sample, all the time: the reference that the other methods are measured against. The
+// budget does not apply to it.
 #include "terrain/lod_method.h"
 #include "terrain/page.h"
+#include "terrain/patch_select.h"
 #include "terrain/refine.h"
 #include "terrain/terrain_parts.h"
 
@@ -9,17 +10,11 @@
 
 #include <stdlib.h>
 
-typedef struct Leaf {
-    Page *page;
-    PatchTriangle triangle;
-    uint8_t level;
-} Leaf;
-
 typedef struct Brute {
     const Terrain *terrain;
     PageStore pages;
-    Leaf *leaves;
-    int32_t leaf_count;
+    PatchSelection leaves;
+    Page **leaf_pages;                         // [leaves.count]
     uint16_t *indices[PATCH_FOREST_TEMPLATES]; // every triangle of a page, shared by all pages of one depth
     bool filled;
 } Brute;
@@ -29,42 +24,24 @@ static void brute_destroy(void *state) {
     page_store_destroy(&b->pages);
     for (int i = 0; i < PATCH_FOREST_TEMPLATES; i++)
         free(b->indices[i]);
-    free(b->leaves);
+    free(b->leaf_pages);
+    patch_selection_destroy(&b->leaves);
     free(b);
-}
-
-static void add_leaves(Brute *b, const PatchTile *tile, const PatchTriangle *triangle, int level) {
-    if (level == tile->levels) {
-        b->leaves[b->leaf_count++] = (Leaf){.triangle = *triangle, .level = (uint8_t)level};
-        return;
-    }
-    PatchCorner middle = patch_triangle_middle(triangle);
-    for (int half = 0; half < 2; half++) {
-        PatchTriangle child = patch_triangle_half(triangle, middle, half);
-        add_leaves(b, tile, &child, level + 1);
-    }
 }
 
 static Result create_leaves(Brute *b) {
     const PatchForest *forest = &b->terrain->patches;
-    size_t count = 0;
-    for (int32_t i = 0; i < forest->tile_count; i++)
-        count += (size_t)2 << forest->tiles[i].levels;
-    b->leaves = malloc(sizeof *b->leaves * count);
-    if (!b->leaves)
+    Result result = patch_select_finest(forest, &b->leaves);
+    if (result != RESULT_OK)
+        return result;
+    b->leaf_pages = calloc((size_t)b->leaves.count, sizeof *b->leaf_pages);
+    if (!b->leaf_pages)
         return RESULT_MEMORY;
-    for (int32_t i = 0; i < forest->tile_count; i++) {
-        const PatchTile *tile = &forest->tiles[i];
-        int32_t first = b->leaf_count;
-        for (int root = 0; root < 2; root++) {
-            PatchTriangle triangle = patch_forest_root(&tile->tile, root);
-            add_leaves(b, tile, &triangle, 0);
-        }
-        for (int32_t leaf = first; leaf < b->leaf_count; leaf++) {
-            b->leaves[leaf].page = page_store_take(&b->pages, forest, tile->template_index, leaf);
-            if (!b->leaves[leaf].page)
-                return RESULT_MEMORY;
-        }
+    for (int32_t i = 0; i < b->leaves.count; i++) {
+        const PatchChoice *leaf = &b->leaves.choices[i];
+        b->leaf_pages[i] = page_store_take(&b->pages, forest, leaf->template_index, leaf->node);
+        if (!b->leaf_pages[i])
+            return RESULT_MEMORY;
     }
     return RESULT_OK;
 }
@@ -98,20 +75,21 @@ static void fill_task(void *user, int64_t begin, int64_t end, int worker) {
     Brute *b = user;
     (void)worker;
     for (int64_t i = begin; i < end; i++)
-        page_fill(b->leaves[i].page, b->terrain, &b->leaves[i].triangle);
+        page_fill(b->leaf_pages[i], b->terrain, &b->leaves.choices[i].triangle);
 }
 
-static LodItem item_of(const Brute *b, const Leaf *leaf, bool first) {
-    const PatchTemplate *patch = leaf->page->patch;
+static LodItem item_of(const Brute *b, int32_t leaf, bool first) {
+    const Page *page = b->leaf_pages[leaf];
+    const PatchTemplate *patch = page->patch;
     return (LodItem){
-        .page = &leaf->page->shown,
+        .page = &page->shown,
         .revision = 1,
         .indices = b->indices[patch->depth / 2],
         .index_count = 3 * patch->triangle_count,
-        .level = leaf->level,
+        .level = b->leaves.choices[leaf].level,
         .state = first ? LOD_ITEM_REBUILT : LOD_ITEM_REUSED,
-        .centre_ecef = leaf->page->centre_ecef,
-        .radius_m = leaf->page->radius_m,
+        .centre_ecef = page->centre_ecef,
+        .radius_m = page->radius_m,
     };
 }
 
@@ -120,14 +98,14 @@ static Result brute_update(void *state, const LodCall *call, LodCut *cut) {
     int64_t begin = clock_now_ns();
     bool first = !b->filled;
     if (first)
-        jobs_run(call->jobs, b->leaf_count, 8, fill_task, b);
+        jobs_run(call->jobs, b->leaves.count, 8, fill_task, b);
     b->filled = true;
-    LodItem *items = arena_new(call->frame, LodItem, b->leaf_count);
+    LodItem *items = arena_new(call->frame, LodItem, b->leaves.count);
     if (!items)
         return RESULT_MEMORY;
-    cut->stats = (LodStats){.patches = b->leaf_count, .patches_reused = first ? 0 : b->leaf_count};
-    for (int32_t i = 0; i < b->leaf_count; i++) {
-        items[i] = item_of(b, &b->leaves[i], first);
+    cut->stats = (LodStats){.patches = b->leaves.count, .patches_reused = first ? 0 : b->leaves.count};
+    for (int32_t i = 0; i < b->leaves.count; i++) {
+        items[i] = item_of(b, i, first);
         cut->stats.triangles += items[i].index_count / 3;
         cut->stats.vertices += items[i].page->vertex_count;
         cut->stats.index_bytes += first ? (int64_t)sizeof(uint16_t) * items[i].index_count : 0;
@@ -135,7 +113,7 @@ static Result brute_update(void *state, const LodCall *call, LodCut *cut) {
     cut->stats.triangles_rebuilt = first ? cut->stats.triangles : 0;
     cut->stats.refine_ns = clock_now_ns() - begin;
     cut->items = items;
-    cut->item_count = b->leaf_count;
+    cut->item_count = b->leaves.count;
     cut->promises = true;
     return RESULT_OK;
 }

@@ -1,13 +1,16 @@
-// terrain/lod_hybrid.c: the hybrid method of Loeffler, Schwanke, Schumann 2010, section 4: a cut through the patch hierarchy (4.1),
-// each selected patch triangulated by vertex (4.2), its triangulation kept and drawn again while the eye stays in its
-// sphere of validity (4.3). What is stale is triangulated in partitions along the observer line, by the pool.
+// terrain/lod_hybrid.c: the hybrid method of Loeffler, Schwanke, Schumann 2010, section 4: a cut through the patch
+// hierarchy (4.1), each selected patch triangulated by vertex (4.2), its triangulation kept and drawn again while the
+// eye stays in its sphere of validity (4.3). What is stale is triangulated in partitions along the observer line, by
+// the pool.
 //
-// Differences from the paper: activity is nu delta + r > d, which does not flip its sign inside a vertex's sphere; selection is
-// done anew each frame (microseconds), so the sphere need not count the patch's own split; triangles are an index list, no strip.
+// Differences from the paper: activity is nu delta + r > d, which does not flip its sign inside a vertex's sphere;
+// selection is done anew each frame (microseconds), so the sphere need not count the patch's own split; triangles are
+// an index list, no strip.
 #include "terrain/index_pool.h"
 #include "terrain/lod_method.h"
 #include "terrain/page.h"
 #include "terrain/partition.h"
+#include "terrain/patch_select.h"
 #include "terrain/refine.h"
 #include "terrain/terrain_parts.h"
 
@@ -23,7 +26,8 @@
 #define RAISE_FAST 4.0
 #define LOWER 1.1
 #define LOWER_BELOW 0.7
-// A selection is given up, before it costs memory, when its patches at one in so many of their triangles are above the budget.
+// A selection is given up, before it costs memory, when its patches at one in so many of their triangles are above the
+// budget.
 #define PATCH_SHARE 8
 // Here only the vertices that must be active are; nu is still above 0, so that nu times an infinite delta is infinite.
 #define COARSEST_PX 1e12
@@ -47,13 +51,10 @@ typedef struct Node { // of the patch forest: what is kept of a patch between fr
     double built_nu, validity_m;
 } Node;
 
-typedef struct Selected {
-    PatchTriangle triangle;
-    int32_t node;
-    uint8_t level, template_index;
-    bool stale;
-    uint16_t partition;
+typedef struct Selected { // what this frame finds out about a chosen patch
     double turn;
+    uint16_t partition;
+    bool stale;
 } Selected;
 
 typedef struct Retired {
@@ -62,7 +63,7 @@ typedef struct Retired {
 } Retired;
 
 typedef struct Stale { // a patch to be triangulated in this frame
-    int32_t selected;
+    int32_t choice;    // index in the selection
     uint16_t partition;
     IndexList list;
     RefineResult result;
@@ -81,9 +82,9 @@ typedef struct Hybrid {
     Node *nodes; // [node_count]
     uint64_t next_revision;
     double raised_px; // the tolerance that the budget forced in the last frame; 0: none
-    Selected *selected;
-    int32_t selected_count, selected_capacity;
-    Retired *retired; // a queue: [retired_begin, retired_count)
+    PatchSelection selection;
+    Selected *selected; // [selection.count], in the frame's memory
+    Retired *retired;   // a queue: [retired_begin, retired_count)
     int32_t retired_begin, retired_count, retired_capacity;
     Scratch scratch[LOD_PARTITIONS_MAX];
 } Hybrid;
@@ -143,36 +144,6 @@ static void evict_pages(Hybrid *h, uint64_t released) {
 
 // Selection (4.1) ---------------------------------------------------------------------------------------------
 
-typedef struct Selection {
-    Hybrid *h;
-    RefineView view;
-    const PatchTile *tile;
-    int32_t root_node;   // node number of heap 0 of this root
-    int32_t count_max;
-} Selection;
-
-static Result select_patch(Selection *s, const PatchTriangle *triangle, int32_t heap, int level) {
-    PatchCorner middle = patch_triangle_middle(triangle);
-    if (level < s->tile->levels) {
-        const PatchVertex *vertex = patch_forest_vertex(&s->h->terrain->patches, middle);
-        if (refine_is_active(&s->view, vertex->position, vertex->delta, vertex->radius)) {
-            PatchTriangle first = patch_triangle_half(triangle, middle, 0), second = patch_triangle_half(triangle, middle, 1);
-            Result result = select_patch(s, &first, 2 * heap, level + 1);
-            return result == RESULT_OK ? select_patch(s, &second, 2 * heap + 1, level + 1) : result;
-        }
-    }
-    Hybrid *h = s->h;
-    if (h->selected_count >= s->count_max)
-        return RESULT_BUDGET;
-    if (!reserve((void **)&h->selected, &h->selected_capacity, h->selected_count + 1, sizeof *h->selected))
-        return RESULT_MEMORY;
-    h->selected[h->selected_count++] = (Selected){.triangle = *triangle,
-                                                  .node = s->root_node + heap,
-                                                  .level = (uint8_t)level,
-                                                  .template_index = (uint8_t)s->tile->template_index};
-    return RESULT_OK;
-}
-
 static int32_t patches_max(const Hybrid *h, double tau_px) {
     if (tau_px > COARSEST_PX) // it gets no smaller
         return INT32_MAX;
@@ -182,20 +153,14 @@ static int32_t patches_max(const Hybrid *h, double tau_px) {
     return most < INT32_MAX ? (int32_t)most : INT32_MAX;
 }
 
-static Result select_patches(Hybrid *h, const RefineView *view, double tau_px) {
-    const PatchForest *forest = &h->terrain->patches;
-    Selection s = {.h = h, .view = *view, .count_max = patches_max(h, tau_px)};
-    h->selected_count = 0;
-    for (int32_t i = 0; i < forest->tile_count; i++) {
-        s.tile = &forest->tiles[i];
-        for (int root = 0; root < 2; root++) {
-            s.root_node = s.tile->first_node + (root << (s.tile->levels + 1));
-            PatchTriangle triangle = patch_forest_root(&s.tile->tile, root);
-            Result result = select_patch(&s, &triangle, 1, 0);
-            if (result != RESULT_OK)
-                return result;
-        }
-    }
+static Result select_patches(Hybrid *h, const LodCall *call, const RefineView *view, double tau_px) {
+    Result result = patch_select(&h->terrain->patches, view, patches_max(h, tau_px), &h->selection);
+    if (result != RESULT_OK)
+        return result;
+    h->selected = arena_new(call->frame, Selected, h->selection.count);
+    if (!h->selected)
+        return RESULT_MEMORY;
+    memset(h->selected, 0, sizeof *h->selected * (size_t)h->selection.count);
     return RESULT_OK;
 }
 
@@ -226,31 +191,33 @@ static double predicted_work(const Node *node) {
     return fill + WORK_DECIDE_VERTEX * patch->vertex_count + WORK_TRIANGLE * triangles;
 }
 
-static Vec3d patch_middle(const Update *u, const Selected *selected) {
+static Vec3d patch_middle(const Update *u, const PatchChoice *choice) {
     const Terrain *terrain = u->h->terrain;
-    PatchCorner c = patch_triangle_middle(&selected->triangle);
+    PatchCorner c = patch_triangle_middle(&choice->triangle);
     float h = terrain->dem->height_m[(size_t)c.row * (size_t)terrain->dem->width + (size_t)c.col];
     return grid_ecef(terrain->grid, c.col, c.row, (double)h);
 }
 
 static Result mark_stale(Update *u, const ObserverLine *line) {
     Hybrid *h = u->h;
-    for (int32_t i = 0; i < h->selected_count; i++) {
+    for (int32_t i = 0; i < h->selection.count; i++) {
         Selected *selected = &h->selected[i];
-        Node *node = &h->nodes[selected->node];
+        const PatchChoice *choice = &h->selection.choices[i];
+        Node *node = &h->nodes[choice->node];
+        bool filled = node->page && node->page->filled;
         if (u->partitions > 1)
-            selected->turn = partition_turn(line, node->page && node->page->filled ? node->page->centre_ecef : patch_middle(u, selected));
+            selected->turn = partition_turn(line, filled ? node->page->centre_ecef : patch_middle(u, choice));
         if (node->page && is_valid(h, node, &u->view, u->call->view->eye_ecef))
             continue;
         selected->stale = true;
         if (!node->page)
-            node->page = page_store_take(&h->pages, &h->terrain->patches, selected->template_index, selected->node);
+            node->page = page_store_take(&h->pages, &h->terrain->patches, choice->template_index, choice->node);
         if (!node->page)
             return RESULT_MEMORY;
         page_store_touch(&h->pages, node->page, u->call->number);
         u->turns[u->stale_count] = selected->turn;
         u->costs[u->stale_count] = predicted_work(node);
-        u->stale[u->stale_count++] = (Stale){.selected = i};
+        u->stale[u->stale_count++] = (Stale){.choice = i};
     }
     return RESULT_OK;
 }
@@ -277,10 +244,10 @@ static void group_stale(Update *u) {
 static bool triangulate(const Update *u, Stale *stale, int partition) {
     Hybrid *h = u->h;
     Scratch *scratch = &h->scratch[partition];
-    const Selected *selected = &h->selected[stale->selected];
-    Page *page = h->nodes[selected->node].page;
+    const PatchChoice *choice = &h->selection.choices[stale->choice];
+    Page *page = h->nodes[choice->node].page;
     if (!page->filled)
-        page_fill(page, h->terrain, &selected->triangle);
+        page_fill(page, h->terrain, &choice->triangle);
     stale->result = refine_page(page, &u->view, scratch->active, scratch->indices);
     IndexList *list = &stale->list;
     list->index_count = stale->result.index_count;
@@ -328,7 +295,7 @@ static Result adopt(Update *u, LodStats *stats) {
     Result result = RESULT_OK;
     for (int32_t i = 0; i < u->stale_count; i++) {
         Stale *stale = &u->stale[i];
-        Node *node = &h->nodes[h->selected[stale->selected].node];
+        Node *node = &h->nodes[h->selection.choices[stale->choice].node];
         if (result == RESULT_OK)
             result = retire_list(h, &node->list, u->call->number - 1);
         if (result != RESULT_OK || !stale->list.indices)
@@ -357,7 +324,7 @@ static int partition_count(const Hybrid *h, const Jobs *jobs) {
 }
 
 static bool allocate_update(Update *u) {
-    int32_t most = u->h->selected_count;
+    int32_t most = u->h->selection.count;
     u->stale = arena_new(u->call->frame, Stale, most);
     u->turns = arena_new(u->call->frame, double, most);
     u->costs = arena_new(u->call->frame, double, most);
@@ -377,7 +344,7 @@ static Result triangulate_stale(Update *u, LodStats *stats) {
         return result;
     group_stale(u);
     jobs_run(u->call->jobs, u->partitions, 1, triangulate_partitions, u);
-    for (int32_t i = 0; u->partitions > 1 && i < u->h->selected_count; i++)
+    for (int32_t i = 0; u->partitions > 1 && i < u->h->selection.count; i++)
         u->h->selected[i].partition = (uint16_t)partition_of(u->borders, u->partitions, u->h->selected[i].turn);
     return adopt(u, stats);
 }
@@ -387,21 +354,22 @@ static Result triangulate_stale(Update *u, LodStats *stats) {
 static Result refine_at(Hybrid *h, const LodCall *call, double tau_px, LodStats *stats) {
     *stats = (LodStats){.select_ns = stats->select_ns, .refine_ns = stats->refine_ns};
     int64_t begin = clock_now_ns();
-    Update u = {.h = h, .call = call, .view = refine_view(call->view, tau_px), .partitions = partition_count(h, call->jobs)};
-    Result result = select_patches(h, &u.view, tau_px);
+    Update u = {
+        .h = h, .call = call, .view = refine_view(call->view, tau_px), .partitions = partition_count(h, call->jobs)};
+    Result result = select_patches(h, call, &u.view, tau_px);
     int64_t selected = clock_now_ns();
     stats->select_ns += selected - begin;
     if (result != RESULT_OK)
         return result;
     result = triangulate_stale(&u, stats);
     stats->refine_ns += clock_now_ns() - selected;
-    for (int32_t i = 0; i < h->selected_count && result == RESULT_OK; i++) {
-        const Node *node = &h->nodes[h->selected[i].node];
+    for (int32_t i = 0; i < h->selection.count && result == RESULT_OK; i++) {
+        const Node *node = &h->nodes[h->selection.choices[i].node];
         stats->triangles += node->list.index_count / 3;
         stats->vertices += node->vertex_count;
         stats->patches_reused += !h->selected[i].stale;
     }
-    stats->patches = h->selected_count;
+    stats->patches = h->selection.count;
     return result;
 }
 
@@ -424,14 +392,16 @@ static Result refine_within_budget(Hybrid *h, const LodCall *call, LodCut *cut) 
     return over ? RESULT_BUDGET : RESULT_OK;
 }
 
-static LodItem item_of(const Hybrid *h, const Selected *selected) {
-    const Node *node = &h->nodes[selected->node];
+static LodItem item_of(const Hybrid *h, int32_t index) {
+    const PatchChoice *choice = &h->selection.choices[index];
+    const Selected *selected = &h->selected[index];
+    const Node *node = &h->nodes[choice->node];
     return (LodItem){
         .page = &node->page->shown,
         .revision = node->revision,
         .indices = node->list.indices,
         .index_count = node->list.index_count,
-        .level = selected->level,
+        .level = choice->level,
         .state = selected->stale ? LOD_ITEM_REBUILT : LOD_ITEM_REUSED,
         .partition = selected->partition,
         .centre_ecef = node->page->centre_ecef,
@@ -444,15 +414,15 @@ static Result hybrid_update(void *state, const LodCall *call, LodCut *cut) {
     Result result = refine_within_budget(h, call, cut);
     if (result != RESULT_OK && result != RESULT_BUDGET)
         return result;
-    LodItem *items = arena_new(call->frame, LodItem, h->selected_count);
+    LodItem *items = arena_new(call->frame, LodItem, h->selection.count);
     if (!items)
         return RESULT_MEMORY;
-    for (int32_t i = 0; i < h->selected_count; i++) {
-        page_store_touch(&h->pages, h->nodes[h->selected[i].node].page, call->number);
-        items[i] = item_of(h, &h->selected[i]);
+    for (int32_t i = 0; i < h->selection.count; i++) {
+        page_store_touch(&h->pages, h->nodes[h->selection.choices[i].node].page, call->number);
+        items[i] = item_of(h, i);
     }
     cut->items = items;
-    cut->item_count = h->selected_count;
+    cut->item_count = h->selection.count;
     cut->promises = h->terrain->options.error == TERRAIN_ERROR_TOTAL;
     evict_pages(h, call->released);
     return result;
@@ -467,7 +437,7 @@ static void hybrid_destroy(void *state) {
         free(h->scratch[p].indices);
     }
     free(h->nodes);
-    free(h->selected);
+    patch_selection_destroy(&h->selection);
     free(h->retired);
     free(h);
 }

@@ -7,9 +7,9 @@
 typedef struct LodCall {
     const LodView *view;
     Jobs *jobs;
-    Arena *frame;        // for the cut
-    uint64_t number;     // of this frame, from 1
-    uint64_t released;   // frames up to this one are no longer read
+    Arena *frame;      // for the cut
+    uint64_t number;   // of this frame, from 1
+    uint64_t released; // frames up to this one are no longer read
 } LodCall;
 
 typedef struct LodOps {

@@ -136,7 +136,8 @@ static int least(int a, int b) {
 static void fill_sphere(Page *page) {
     double most = 0.0;
     for (int v = 0; v < page->shown.vertex_count; v++) {
-        GridPoint p = {page->shown.origin.x + page->x[v], page->shown.origin.y + page->y[v], page->shown.origin.z + page->z[v]};
+        GridPoint p = {page->shown.origin.x + page->x[v], page->shown.origin.y + page->y[v],
+                       page->shown.origin.z + page->z[v]};
         double d = vec3d_distance(grid_point_ecef(p), page->centre_ecef);
         most = d > most ? d : most;
     }

@@ -7,24 +7,24 @@
 #include "terrain/terrain.h"
 
 typedef struct Page {
-    LodPage shown;               // what the renderer sees; `vertices` points below
+    LodPage shown; // what the renderer sees; `vertices` points below
     const PatchTemplate *patch;
     // [vertex_count], numbered as in the template: offsets, and the vertices' error codes.
     int32_t *x, *y, *z;
     uint16_t *delta, *radius;
     Vec3d centre_ecef;
-    double radius_m;             // of a sphere around all vertices
-    bool filled;                 // page_fill has been here since the page was taken
-    int32_t node;                // of the patch forest
-    uint64_t last_frame;         // drawn last
-    struct Page *older, *newer;  // least recently drawn first
+    double radius_m;            // of a sphere around all vertices
+    bool filled;                // page_fill has been here since the page was taken
+    int32_t node;               // of the patch forest
+    uint64_t last_frame;        // drawn last
+    struct Page *older, *newer; // least recently drawn first
     struct Page *next_free;
 } Page;
 
 typedef struct PageStore {
     Page *free_pages[PATCH_FOREST_TEMPLATES];
     Page *oldest, *newest;
-    size_t bytes;       // of all pages in use
+    size_t bytes; // of all pages in use
     uint64_t next_id;
 } PageStore;
 

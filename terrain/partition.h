@@ -19,7 +19,8 @@ ObserverLine partition_observer_line(Vec3d eye_ecef, Vec3d forward_ecef);
 double partition_turn(const ObserverLine *line, Vec3d point_ecef);
 
 // Borders of `count` sectors, ascending, borders[0] = 0: sector k is from borders[k] to borders[k + 1] (1 for the
-// last). Two: the plane of sight, at 0 and 0.5. More: sectors of equal work, of the items given. `order`: scratch, `item_count` long.
+// last). Two: the plane of sight, at 0 and 0.5. More: sectors of equal work, of the items given. `order`: scratch,
+// `item_count` long.
 void partition_borders(int count, const double *turns, const double *work, int32_t item_count, int32_t *order,
                        double *borders);
 int partition_of(const double *borders, int count, double turn);

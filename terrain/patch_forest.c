@@ -63,8 +63,8 @@ static int clamp(int value, int least, int most) {
     return value < least ? least : value > most ? most : value;
 }
 
-// The largest delta among the vertices of the same kind, `side` times finer, inside the diamond at (i, j) of its plane. They are the first
-// that the pages of the diamond's two patches lack.
+// The largest delta among the vertices of the same kind, `side` times finer, inside the diamond at (i, j) of its plane.
+// They are the first that the pages of the diamond's two patches lack.
 static uint16_t missing_error(const Fill *fill, int i, int j) {
     int side = fill->forest->side, k = fill->plane;
     const ErrorPlane *fine = &fill->input->errors->planes[k];
@@ -77,7 +77,8 @@ static uint16_t missing_error(const Fill *fill, int i, int j) {
             continue;
         int reach = centre ? side : side - abs(dj);
         int first = clamp(ci - reach, 0, fine->width - 1), last = clamp(ci + reach, 0, fine->width - 1);
-        first += centre || !(fj & 1) ? !(first & 1) : first & 1; // columns of the same kind are odd, or even on odd rows
+        first +=
+            centre || !(fj & 1) ? !(first & 1) : first & 1; // columns of the same kind are odd, or even on odd rows
         const uint16_t *row = fine->delta + (size_t)fj * fine->stride;
         for (int fi = first; fi <= last; fi += 2)
             most = row[fi] > most ? row[fi] : most;

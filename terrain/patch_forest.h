@@ -2,8 +2,8 @@
 // Columns and rows in samples; ECEF metres; errors in metres.
 // A PatchForest owns its tables; constant after creation.
 //
-// Source: Loeffler, Schwanke, Schumann 2010, section 4.1: patches on the diamond graph, their errors the largest among the vertices
-// they can not show, nested like those.
+// Source: Loeffler, Schwanke, Schumann 2010, section 4.1: patches on the diamond graph, their errors the largest among
+// the vertices they can not show, nested like those.
 #pragma once
 #include "base/vec.h"
 #include "terrain/error_field.h"
@@ -25,9 +25,9 @@ typedef struct PatchTriangle {
 
 // Where two patches of one diamond split. Both, or neither.
 typedef struct PatchVertex {
-    Vec3d position;  // ECEF, on the lattice
-    float delta;     // largest error among the diamonds of the first level that the two patches' pages lack; nested
-    float radius;    // the vertex's own: so a patch that splits always splits at an active vertex
+    Vec3d position; // ECEF, on the lattice
+    float delta;    // largest error among the diamonds of the first level that the two patches' pages lack; nested
+    float radius;   // the vertex's own: so a patch that splits always splits at an active vertex
 } PatchVertex;
 
 typedef struct PatchPlane {
@@ -37,14 +37,14 @@ typedef struct PatchPlane {
 
 typedef struct PatchTile {
     ForestTile tile;
-    int levels;          // splits from the tile's triangles down to its finest patches
-    int template_index;  // depth / 2
-    int32_t first_node;  // node = first_node + root << levels + 1 | heap; heap is 1 for the root
+    int levels;         // splits from the tile's triangles down to its finest patches
+    int template_index; // depth / 2
+    int32_t first_node; // node = first_node + root << levels + 1 | heap; heap is 1 for the root
 } PatchTile;
 
 typedef struct PatchForest {
-    int depth;           // bisections within a patch, where the tile has them
-    int side;            // 2^(depth / 2)
+    int depth; // bisections within a patch, where the tile has them
+    int side;  // 2^(depth / 2)
     int32_t tile_count, node_count;
     PatchTile *tiles;
     int plane_count;

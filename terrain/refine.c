@@ -38,15 +38,16 @@ typedef struct Decided {
 // Offsets plus origin are exact in double, so a vertex is decided by the same bits in every page that holds it.
 SIMD_CLONES
 static Decided decide(const int32_t *restrict px, const int32_t *restrict py, const int32_t *restrict pz,
-                      const uint16_t *restrict delta, const uint16_t *restrict radius, uint8_t *restrict active, int count,
-                      const double *restrict origin, const double *restrict eye, double nu) {
+                      const uint16_t *restrict delta, const uint16_t *restrict radius, uint8_t *restrict active,
+                      int count, const double *restrict origin, const double *restrict eye, double nu) {
     int64_t slack = INT64_MAX;
     int any = 0;
     double ox = origin[0], oy = origin[1], oz = origin[2], ex = eye[0], ey = eye[1], ez = eye[2];
     for (int v = 0; v < count; v++) {
         double x = ((double)px[v] + ox) - ex, y = ((double)py[v] + oy) - ey, z = ((double)pz[v] + oz) - ez;
         double distance = sqrt(x * x + y * y + z * z);
-        double reach = nu * (double)error_field_decode(delta[v]) + GRID_LATTICE_PER_M * (double)error_field_decode(radius[v]);
+        double reach =
+            nu * (double)error_field_decode(delta[v]) + GRID_LATTICE_PER_M * (double)error_field_decode(radius[v]);
         union {
             double value;
             int64_t bits;
@@ -82,13 +83,14 @@ RefineResult refine_page(const Page *page, const RefineView *view, uint8_t *acti
     int64_t slack = INT64_MAX;
     int level = 0, end = patch->level_begin[0];
     bool any = true;
-    // Errors are nested: below a level without an active vertex there is none, and no decision there is closer to changing.
+    // Errors are nested: below a level without an active vertex there is none, and no decision there is closer to
+    // changing.
     for (; level < patch->depth && any; level++) {
         int begin = end;
         end = patch->level_begin[level + 1];
-        Decided level_decided = decide(page->x + begin, page->y + begin, page->z + begin, page->delta + begin,
-                                       page->radius + begin, active + begin, end - begin, origin, view->eye,
-                                       view->nu * GRID_LATTICE_PER_M);
+        Decided level_decided =
+            decide(page->x + begin, page->y + begin, page->z + begin, page->delta + begin, page->radius + begin,
+                   active + begin, end - begin, origin, view->eye, view->nu * GRID_LATTICE_PER_M);
         slack = level_decided.slack < slack ? level_decided.slack : slack;
         any = level_decided.active;
     }

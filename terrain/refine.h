@@ -2,8 +2,8 @@
 // Lattice units inside, metres outside.
 // Pure functions over memory of the caller; any thread. The same bits on every processor.
 //
-// Sources: Lindstrom, Pascucci 2002, sections 3 and 4 (activity by nested spheres); Loeffler et al. 2010, sections 4.2 and 4.3
-// (patches as triangular grids, the sphere of validity).
+// Sources: Lindstrom, Pascucci 2002, sections 3 and 4 (activity by nested spheres); Loeffler et al. 2010, sections 4.2
+// and 4.3 (patches as triangular grids, the sphere of validity).
 #pragma once
 #include "terrain/page.h"
 

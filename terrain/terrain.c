@@ -18,7 +18,7 @@ typedef struct Lift {
     Dem *dem;
     const Grid *grid;
     const Geoid *geoid;
-    int stride; // samples
+    int stride;  // samples
     double sign; // +1 to the ellipsoid, -1 back
 } Lift;
 
@@ -163,7 +163,8 @@ bool terrain_ground_m(const Terrain *terrain, double lat_deg, double lon_deg, do
     double u = col - i, v = row - j;
     const float *h = dem->height_m + (size_t)j * (size_t)dem->width + (size_t)i;
     const float *below = h + dem->width;
-    *h_m = (1.0 - v) * ((1.0 - u) * (double)h[0] + u * (double)h[1]) + v * ((1.0 - u) * (double)below[0] + u * (double)below[1]);
+    *h_m = (1.0 - v) * ((1.0 - u) * (double)h[0] + u * (double)h[1]) +
+           v * ((1.0 - u) * (double)below[0] + u * (double)below[1]);
     return true;
 }
 

@@ -26,11 +26,10 @@ typedef struct Terrain Terrain;
 // Takes the Dem over on success (and turns its heights into heights above the ellipsoid); on failure the
 // caller keeps it. `geoid` may be NULL for a DEM above the ellipsoid, else RESULT_NOT_FOUND; it is borrowed and must
 // outlive the terrain. `jobs` is used during the call only.
-MUST_USE Result terrain_create(const TerrainOptions *options, Dem *dem, const Geoid *geoid, Jobs *jobs,
-                               Terrain **out);
+MUST_USE Result terrain_create(const TerrainOptions *options, Dem *dem, const Geoid *geoid, Jobs *jobs, Terrain **out);
 void terrain_destroy(Terrain **terrain);
 
-const Dem *terrain_dem(const Terrain *terrain);   // height_m: above the ellipsoid; datum as the file had it
+const Dem *terrain_dem(const Terrain *terrain); // height_m: above the ellipsoid; datum as the file had it
 const Grid *terrain_grid(const Terrain *terrain);
 // 0 where the datum is the ellipsoid.
 double terrain_undulation_m(const Terrain *terrain, double lat_deg, double lon_deg);
