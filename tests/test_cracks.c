@@ -1,5 +1,4 @@
-// Flights with caching: every cut is whole, keeps its promise, and equals the one refined from scratch, for any number
-// of workers and partitions.
+// Flights with caching: every cut is whole, keeps its promise, and equals the one refined from scratch.
 #include "base/arena.h"
 #include "terrain/geodesy.h"
 #include "tests/cut_support.h"
@@ -26,11 +25,10 @@ typedef struct Flight {
     LodCut cut;
 } Flight;
 
-static Flight flight_begin(const Terrain *terrain, Jobs *jobs, bool reuse, int partitions) {
+static Flight flight_begin(const Terrain *terrain, Jobs *jobs, bool reuse) {
     Flight flight = {.terrain = terrain, .jobs = jobs};
     LodOptions options = lod_default_options();
     options.reuse = reuse;
-    options.partitions = partitions;
     assert_int_equal(lod_create(&options, terrain, &flight.lod), RESULT_OK);
     assert_int_equal(arena_create(1 << 20, &flight.frame), RESULT_OK);
     return flight;
@@ -72,7 +70,7 @@ static void print_frame(const Flight *flight, const Measure *m) {
 
 // Flies with and without reuse side by side.
 static void fly(const Terrain *terrain, Jobs *jobs, double step_share, int measure_every, int compare_every) {
-    Flight cached = flight_begin(terrain, jobs, true, 0), scratch = flight_begin(terrain, jobs, false, 0);
+    Flight cached = flight_begin(terrain, jobs, true), scratch = flight_begin(terrain, jobs, false);
     int64_t reused = 0, patches = 0;
     for (int frame = 0; frame < FRAMES; frame++) {
         LodView view = view_of_frame(terrain, frame, step_share);
@@ -132,45 +130,14 @@ static void test_a_flight_over_puget_sound_has_no_cracks(void **state) {
     fly_shared("puget_utm10_160m_1025.tif");
 }
 
-// ---- workers and partitions ----
-
-// One hash over all cuts of a flight.
-static uint64_t fly_and_hash(int workers, int partitions) {
-    Jobs *jobs;
-    assert_int_equal(jobs_create(workers, &jobs), RESULT_OK);
-    Terrain *terrain = support_terrain(support_rough_dem(401, 333, &ROUGH, 900.0, SEED), TERRAIN_ERROR_TOTAL, 6, jobs);
-    Flight flight = flight_begin(terrain, jobs, true, partitions);
-    uint64_t hash = 0;
-    for (int frame = 0; frame < FRAMES; frame += 4) {
-        LodView view = view_of_frame(terrain, frame, 0.001);
-        flight_update(&flight, &view);
-        hash = hash * 31 + support_cut_hash(&flight.cut);
-    }
-    flight_end(&flight);
-    terrain_destroy(&terrain);
-    jobs_destroy(&jobs);
-    return hash;
-}
-
-static void test_any_number_of_workers_and_partitions_gives_the_same_bytes(void **state) {
-    (void)state;
-    static const struct {
-        int workers, partitions;
-    } CASES[] = {{1, 0}, {2, 0}, {3, 0}, {8, 0}, {1, 1}, {2, 5}, {3, 2}, {8, 16}, {16, 3}};
-    uint64_t first = fly_and_hash(CASES[0].workers, CASES[0].partitions);
-    for (size_t i = 0; i < COUNT_OF(CASES); i++) {
-        uint64_t hash = fly_and_hash(CASES[i].workers, CASES[i].partitions);
-        print_message("%2d workers, %2d partitions: %016" PRIx64 "\n", CASES[i].workers, CASES[i].partitions, hash);
-        assert_true(hash == first);
-    }
-}
+// ---- views that change nothing ----
 
 static void test_turning_the_head_changes_no_triangle(void **state) {
     (void)state;
     Jobs *jobs;
     assert_int_equal(jobs_create(2, &jobs), RESULT_OK);
     Terrain *terrain = support_terrain(support_rough_dem(257, 300, &ROUGH, 900.0, SEED), TERRAIN_ERROR_TOTAL, 6, jobs);
-    Flight flight = flight_begin(terrain, jobs, true, 0);
+    Flight flight = flight_begin(terrain, jobs, true);
     LodView view = support_view(support_eye(terrain, 100.0, 140.0, 60.0), 1.0);
     Vec3d up = vec3d_normalize(view.eye_ecef), north = view.forward_ecef, east = vec3d_cross(north, up);
     uint64_t first = 0;
@@ -193,7 +160,7 @@ static void test_turning_the_head_changes_no_triangle(void **state) {
 static uint64_t hash_at_longitude(double west_deg, Jobs *jobs) {
     DemGeoref georef = {DEM_CRS_GEOGRAPHIC, 0, false, west_deg, -16.5, 0.001, -0.001};
     Terrain *terrain = support_terrain(support_rough_dem(300, 300, &georef, 700.0, SEED), TERRAIN_ERROR_TOTAL, 6, jobs);
-    Flight flight = flight_begin(terrain, jobs, true, 0);
+    Flight flight = flight_begin(terrain, jobs, true);
     double s = sin(179.9 * GEODESY_RAD_PER_DEG), c = cos(179.9 * GEODESY_RAD_PER_DEG);
     Vec3d eye = geodesy_to_ecef((Geodetic){-16.6 * GEODESY_RAD_PER_DEG, 0.0, 1200.0});
     LodView view = support_view(vec3d(eye.x * c, eye.x * s, eye.z), 1.0);
@@ -221,7 +188,6 @@ int main(void) {
         cmocka_unit_test(test_a_flight_over_rough_ground_has_no_cracks),
         cmocka_unit_test(test_a_flight_over_the_tatra_has_no_cracks),
         cmocka_unit_test(test_a_flight_over_puget_sound_has_no_cracks),
-        cmocka_unit_test(test_any_number_of_workers_and_partitions_gives_the_same_bytes),
         cmocka_unit_test(test_turning_the_head_changes_no_triangle),
         cmocka_unit_test(test_a_dem_shifted_by_a_turn_gives_the_same_cut),
     };
