@@ -14,6 +14,9 @@ if(OVERFLY_SANITIZE)
   target_compile_options(overfly_options INTERFACE -fsanitize=${OVERFLY_SANITIZE} -fno-omit-frame-pointer
                                                    -fno-sanitize-recover=undefined)
   target_link_options(overfly_options INTERFACE -fsanitize=${OVERFLY_SANITIZE})
+  set(executable $<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>)
+  target_sources(overfly_options INTERFACE $<${executable}:${PROJECT_SOURCE_DIR}/tools/keep_libraries.c>)
+  target_link_options(overfly_options INTERFACE $<${executable}:-Wl,--export-dynamic-symbol=dlclose>)
 endif()
 
 # overfly_library(NAME terrain SOURCES a.c b.c LINKS overfly_base) makes overfly_terrain.

@@ -18,7 +18,7 @@ void hud_paint(Canvas *canvas, Text *text, const RenderPacket *packet, const Ren
                int height);
 
 // The parts.
-void hud_paint_flight(const HudPainter *painter, const RenderPacket *packet);   // hud_flight.c, with the following two
+void hud_paint_flight(const HudPainter *painter, const RenderPacket *packet);   // with the following two
 void hud_paint_attitude(const HudPainter *painter, const RenderPacket *packet); // hud_attitude.c
 void hud_paint_scales(const HudPainter *painter, const RenderHud *hud);         // hud_scales.c
 void hud_paint_numbers(const HudPainter *painter, const RenderPacket *packet,

@@ -101,11 +101,11 @@ throttle=$(value throttle) pitch=$(value pitch_deg)
 
 take_off "right, more throttle" --size 1280x800
 press t t t w l F3
-hold 0.7 Right Prior
+hold 0.5 Right Prior
 wait_for 10 compgen -G "$XDG_PICTURES_DIR/overfly-*.png" >/dev/null || give_up "F3 wrote no picture"
 land
 expect bank_deg '>' 5
-expect throttle '>' "$(awk "BEGIN { print $throttle + 0.1 }")"
+expect throttle '>' "$(awk "BEGIN { print $throttle + 0.05 }")"
 expect tau_px '<' 0.51
 expect tau_px '>' 0.49
 expect wireframe '==' true
@@ -114,10 +114,10 @@ expect window '==' true
 
 take_off "left, less throttle" --size 640x400
 press T h x m
-hold 0.7 Left Next
+hold 0.5 Left Next
 land
 expect bank_deg '<' -5
-expect throttle '<' "$(awk "BEGIN { print $throttle - 0.1 }")"
+expect throttle '<' "$(awk "BEGIN { print $throttle - 0.05 }")"
 expect tau_px '>' 1.2
 expect method '==' brute
 expect numbers '==' false
@@ -125,14 +125,14 @@ expect hud '==' true
 expect fov_deg '<' 60
 
 take_off "stick forward" --size 640x400
-hold 0.7 Up
+hold 0.5 Up
 land
-expect pitch_deg '<' "$(awk "BEGIN { print $pitch - 3 }")"
+expect pitch_deg '<' "$(awk "BEGIN { print $pitch - 2 }")"
 
 take_off "stick back" --size 640x400
-hold 0.7 Down
+hold 0.5 Down
 land
-expect pitch_deg '>' "$(awk "BEGIN { print $pitch + 3 }")"
+expect pitch_deg '>' "$(awk "BEGIN { print $pitch + 2 }")"
 
 take_off "pause and help" --size 640x400
 press p F1
