@@ -88,13 +88,17 @@ std::string last_error(const ImageReader *reader) {
     return reader && reader->input && reader->input->has_error() ? reader->input->geterror() : OIIO::geterror();
 }
 
-// For strips of 8 and 16 bits OpenImageIO 2.4 unpacks many at once, and then drops what zlib says about damaged ones.
-// Single rows go through libtiff, which reports. Where bands are stored apart, single rows in turn are slow or wrong.
+// What OpenImageIO 2.4 does wrong when it reads many rows of a TIFF at once: it drops what zlib says about damaged
+// strips of 8 and 16 bits, and it loops where a strip claims to be longer than the image. Single rows go through
+// libtiff, which reports. Where bands are stored apart, single rows are slow, and there the first mistake is not made.
 bool must_read_row_by_row(const OIIO::ImageInput &input) {
     const OIIO::ImageSpec &spec = input.spec();
+    if (spec.tile_width != 0 || std::string(input.format_name()) != "tiff")
+        return false;
     bool small = spec.format == OIIO::TypeDesc::UINT8 || spec.format == OIIO::TypeDesc::UINT16;
     bool apart = spec.nchannels > 1 && spec.get_string_attribute("planarconfig") == "separate";
-    return small && !apart && spec.tile_width == 0 && std::string(input.format_name()) == "tiff";
+    int strip_rows = spec.get_int_attribute("tiff:RowsPerStrip");
+    return (small && !apart) || strip_rows < 1 || strip_rows > spec.height;
 }
 
 Result open_reader(const char *path, const char *format, ImageReader **out, ImageSpec *spec, ImageError *error) {

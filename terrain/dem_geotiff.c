@@ -259,8 +259,8 @@ static bool find_placement(const GeotiffTags *tags, Placement *out) {
     }
     if (!tags->has_scale || tags->tie_count < 1)
         return false;
-    // The sign of the scale carries no meaning to GDAL; rows go south.
-    double sx = fabs(tags->scale[0]), sy = -fabs(tags->scale[1]);
+    // As GDAL has it: rows go south whatever the sign of the second scale; a negative first one mirrors.
+    double sx = tags->scale[0], sy = -fabs(tags->scale[1]);
     *out = (Placement){{tags->tie[3] - tags->tie[0] * sx, tags->tie[4] - tags->tie[1] * sy}, {sx, sy}, {0.0, 0.0}};
     return true;
 }

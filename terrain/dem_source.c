@@ -204,17 +204,27 @@ Result dem_source_check_georef(const char *path, DemHeader *header) {
 
 // ---- Rows -------------------------------------------------------------------------------------------------------
 
-static Result check_heights(const DemSource *source, int file_row, const float *height_m) {
-    for (int col = 0; col < source->header.width; col++) {
-        if (!isgreater(fabsf(height_m[col]), (float)DEM_HEIGHT_MAX_M)) // voids are quiet
-            continue;
+static Result refuse_height(const DemSource *source, int col, int file_row, float height_m) {
+    if (source->coding.terrarium) {
         log_error(
-            "%s: the sample at column %d, row %d of the file is %g m: another unit, a nodata value that is not "
-            "declared, or no elevation at all; declare it: gdal_translate -a_nodata VALUE (or -a_scale FACTOR) %s "
-            "OUT.tif",
-            source->path, col, file_row, (double)height_m[col], source->path);
+            "%s: the colour at column %d, row %d stands for %.0f m as terrarium tiles encode heights: a picture, not "
+            "elevation; drape it over a terrain with --image",
+            source->path, col, file_row, (double)height_m);
         return RESULT_FORMAT;
     }
+    log_error(
+        "%s: the sample at column %d, row %d of the file is %g m: another unit, a nodata value that is not "
+        "declared, or no elevation at all; declare it: gdal_translate -a_nodata VALUE (or -a_scale FACTOR) %s OUT.tif",
+        source->path, col, file_row, (double)height_m, source->path);
+    return RESULT_FORMAT;
+}
+
+static Result check_heights(const DemSource *source, int file_row, const float *height_m) {
+    float low = (float)(source->coding.terrarium ? DEM_TERRARIUM_MIN_M : -DEM_HEIGHT_MAX_M);
+    float high = (float)(source->coding.terrarium ? DEM_TERRARIUM_MAX_M : DEM_HEIGHT_MAX_M);
+    for (int col = 0; col < source->header.width; col++)
+        if (isless(height_m[col], low) || isgreater(height_m[col], high)) // voids are neither
+            return refuse_height(source, col, file_row, height_m[col]);
     return RESULT_OK;
 }
 

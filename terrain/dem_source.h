@@ -7,6 +7,9 @@
 
 // Beyond this no Earth has heights: another unit, an undeclared nodata value, or another kind of data.
 #define DEM_HEIGHT_MAX_M 1e5
+// Of terrarium tiles, which may be pictures just as well: from below the deepest trench to above the highest summit.
+#define DEM_TERRARIUM_MIN_M (-12000.0)
+#define DEM_TERRARIUM_MAX_M 9500.0
 
 typedef struct DemHeader {
     int width, height; // samples, 2..DEM_SIDE_MAX
