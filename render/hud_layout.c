@@ -39,7 +39,8 @@ static void place_circle(HudLayout *layout) {
     float u = layout->unit;
     float below = layout->note.y0 - layout->centre.y - 18.0f * u;
     float above = layout->centre.y - layout->heading.y1 - 18.0f * u;
-    layout->radius = fminf(fminf(236.0f * u, free_half_width(layout)), fminf(above, below));
+    float room = fminf(fminf(236.0f * u, free_half_width(layout)), fminf(above, below));
+    layout->radius = fmaxf(room, 20.0f * u); // in windows too small for all parts it still has a size
 }
 
 static CanvasRect mirrored(const HudLayout *layout, CanvasRect rect) {

@@ -284,6 +284,21 @@ static void text_stays_inside_and_apart_at_its_widest(void **state) {
     assert_int_equal(faults, 0);
 }
 
+// Too small for all parts; but numbers stay finite, which the trap checks.
+static void smaller_windows_draw_something_finite(void **state) {
+    Bench *bench = *state;
+    const int SIZES[][2] = {{1, 1}, {2, 900}, {900, 2}, {16, 16}, {160, 100}, {320, 200}, {500, 300}};
+    for (size_t i = 0; i < COUNT_OF(SIZES); i++)
+        for (int help = 0; help < 2; help++) {
+            RenderPacket packet = extreme_packet();
+            packet.hud.show_help = help;
+            hud_paint(bench->canvas, bench->text, &packet, NULL, SIZES[i][0], SIZES[i][1]);
+            const CanvasShape *shapes;
+            int count = canvas_under(bench->canvas, &shapes);
+            assert_true(count > 0);
+        }
+}
+
 // ---- directions ----
 
 // Degrees above the horizon of the pixel's direction, in long double from the packet's camera.
@@ -610,6 +625,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(parts_do_not_overlap_at_any_size),
         cmocka_unit_test(text_stays_inside_and_apart_at_its_widest),
+        cmocka_unit_test(smaller_windows_draw_something_finite),
         cmocka_unit_test(horizon_is_within_half_a_pixel),
         cmocka_unit_test(flight_path_marker_is_within_half_a_pixel),
         cmocka_unit_test(marker_hides_at_rest_and_stays_finite_behind),
