@@ -12,6 +12,7 @@
 #define LOOKS 8
 #define REACH_S 3.0 // a waypoint counts as reached within this time of flight
 #define REACH_MIN_M 250.0
+#define MISSED 1.4 // rad off the nose: so near, it would be circled for ever
 
 static double clamp(double value, double least, double greatest) {
     return fmin(fmax(value, least), greatest);
@@ -75,5 +76,7 @@ bool autopilot_has_reached(const Flight *flight, const Waypoint *to) {
     FlightInstruments now = flight_instruments(flight);
     double distance_m, bearing_rad;
     autopilot_course(now.lat_rad, now.lon_rad, to, &distance_m, &bearing_rad);
-    return distance_m < fmax(REACH_S * now.speed_m_s, REACH_MIN_M);
+    double turn_radius_m = now.speed_m_s * now.speed_m_s / (FLIGHT_GRAVITY * tan(BANK_MAX));
+    bool missed = distance_m < 2.5 * turn_radius_m && fabs(angle_between(bearing_rad, now.heading_rad)) > MISSED;
+    return missed || distance_m < fmax(REACH_S * now.speed_m_s, REACH_MIN_M);
 }

@@ -2,6 +2,7 @@
 #include "app/pipeline.h"
 
 #include "app/picture.h"
+#include "app/signals.h"
 #include "base/arena.h"
 #include "base/clock.h"
 #include "base/log.h"
@@ -258,7 +259,10 @@ static void *run_drawer(void *user) {
 }
 
 static Result start_thread(pthread_t *thread, bool *runs, void *(*run)(void *), Pipeline *p) {
+    sigset_t before;
+    signals_hold_all(&before);
     *runs = pthread_create(thread, NULL, run, p) == 0;
+    signals_restore(&before);
     if (!*runs)
         log_error("a thread cannot be started; is the limit of processes reached (ulimit -u)?");
     return *runs ? RESULT_OK : RESULT_MEMORY;

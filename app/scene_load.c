@@ -98,13 +98,23 @@ Result scene_open_geoid(const Options *options, Geoid **out) {
     return geoid_open(path, out);
 }
 
+// In flight the main thread alone takes signals, so no other may be started with them open: neither our workers nor
+// those that image libraries start when they read. One that comes while reading waits until it is done.
+static Result load_dem(const Options *options, const Scene *scene, Dem **out) {
+    DemOptions dem = scene_dem_options(options, scene);
+    sigset_t before;
+    signals_hold_all(&before);
+    Result result = dem_load(&dem, (const char *const *)scene->dem, scene->dem_count, out);
+    signals_restore(&before);
+    return result;
+}
+
 static Result create_terrain(const Options *options, World *world) {
     TerrainOptions terrain = terrain_default_options();
     terrain.error = (TerrainErrorKind)options_choice(options, OPTION_ERROR);
     terrain.patch_level = 2 * (options_choice(options, OPTION_PATCH_SIDE) + 1); // sides 3, 5, 9: 2, 4, 6 bisections
-    DemOptions dem_options = scene_dem_options(options, &world->scene);
     Dem *dem = NULL;
-    Result result = dem_load(&dem_options, (const char *const *)world->scene.dem, world->scene.dem_count, &dem);
+    Result result = load_dem(options, &world->scene, &dem);
     if (result != RESULT_OK)
         return result;
     result = terrain_create(&terrain, dem, world->geoid, world->jobs, &world->terrain);
@@ -113,7 +123,6 @@ static Result create_terrain(const Options *options, World *world) {
     return result;
 }
 
-// Ctrl-C while loading ends the program; in flight the main thread takes it. Workers never do.
 static Result create_jobs(const Options *options, Jobs **out) {
     sigset_t before;
     signals_hold_all(&before);

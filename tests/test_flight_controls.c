@@ -11,6 +11,7 @@
 #include "app/demo.h"
 #include "app/flight_settings.h"
 #include "app/frame_times.h"
+#include "base/paths.h"
 #include "input/keyboard.h"
 #include "terrain/geodesy.h"
 #include "tests/heard.h"
@@ -191,6 +192,10 @@ static void broken_demos_are_refused_with_file_and_line(void **state) {
         {"fly 36,-84,900m 100kt\n", ":1: expected"},
         {"to 99,-84,900m 100kt\n", ":1: expected"},
     };
+    char geoid_path[PATHS_BYTES_MAX];
+    Geoid *geoid = NULL;
+    assert_int_equal(paths_find_data("geoid/egm96-15.pgm", geoid_path), RESULT_OK);
+    assert_int_equal(geoid_open(geoid_path, &geoid), RESULT_OK);
     for (size_t i = 0; i < COUNT_OF(broken); i++) {
         char path[] = "/tmp/overfly-demo-XXXXXX";
         int file = mkstemp(path);
@@ -200,13 +205,13 @@ static void broken_demos_are_refused_with_file_and_line(void **state) {
         Demo demo;
         Heard heard;
         heard_begin(&heard);
-        // The geoid is not reached: every line is refused before, but for the last, whose latitude is.
-        Result result = demo_read(path, NULL, &demo);
+        Result result = demo_read(path, geoid, &demo);
         heard_end();
         if (result != RESULT_FORMAT || heard.errors != 1 || !strstr(heard.text, broken[i].said))
             fail_msg("%s: %s: %s; expected \"%s\"", broken[i].text, result_name(result), heard.text, broken[i].said);
         unlink(path);
     }
+    geoid_close(&geoid);
 }
 
 static void percentiles_are_of_the_latest_and_the_longest_of_all(void **state) {

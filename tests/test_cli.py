@@ -1,0 +1,249 @@
+#!/usr/bin/env python3
+"""The program from outside, as a person or a script uses it, mistakes included. Usage: test_cli.py OVERFLY [NAME]..."""
+import hashlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+SMALL = ["--size", "320x200"]
+SUBCOMMANDS = ["fly", "snapshot", "mesh", "bench", "info", "config"]
+
+
+class Run:
+    def __init__(self, code, out, err):
+        self.code, self.out, self.err = code, out, err
+
+
+class Fault(Exception):
+    pass
+
+
+def expect(what, found, wanted):
+    if found != wanted:
+        raise Fault(f"{what}: expected {wanted!r}, found {found!r}")
+
+
+def expect_in(what, part, text):
+    if part not in text:
+        raise Fault(f"{what}: expected {part!r} in: {text!r}")
+
+
+class Cli:
+    def __init__(self, program, folder):
+        self.program, self.folder = program, folder
+        self.environment = {k: v for k, v in os.environ.items() if not k.startswith("OVERFLY_")}
+        self.environment.update(HOME=folder, XDG_CONFIG_HOME=os.path.join(folder, "config"))
+        self.environment.pop("DISPLAY", None)
+        self.environment.pop("XDG_PICTURES_DIR", None)
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def write(self, name, text):
+        os.makedirs(os.path.dirname(self.path(name)), exist_ok=True)
+        with open(self.path(name), "w", encoding="utf-8") as file:
+            file.write(text)
+        return self.path(name)
+
+    def start(self, *arguments, **environment):
+        return subprocess.Popen([self.program, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                                cwd=self.folder, env={**self.environment, **environment})
+
+    def run(self, *arguments, **environment):
+        process = self.start(*arguments, **environment)
+        out, err = process.communicate(timeout=240)
+        return Run(process.returncode, out, err)
+
+    def refused(self, code, said, *arguments, **environment):
+        """The program leaves with `code`, nothing on stdout and exactly one error, which says `said`."""
+        run = self.run(*arguments, **environment)
+        what = " ".join(arguments)
+        expect(f"{what}: exit status, having said {run.err!r}", run.code, code)
+        expect(f"{what}: stdout", run.out, "")
+        expect(f"{what}: errors in {run.err!r}", run.err.count("error: "), 1)
+        expect_in(what, said, run.err)
+
+    def json(self, *arguments, **environment):
+        run = self.run(*arguments, "--json", **environment)
+        expect(f"{' '.join(arguments)}: exit status, having said {run.err!r}", run.code, 0)
+        return json.loads(run.out)
+
+    def digest(self, name):
+        with open(self.path(name), "rb") as file:
+            data = file.read()
+        expect(f"{name}: begins as", data[:8], b"\x89PNG\r\n\x1a\n")
+        return hashlib.sha256(data).hexdigest()
+
+
+def help_is_instant_and_complete(cli):
+    run = cli.run("--help")
+    expect("exit status", run.code, 0)
+    for name in SUBCOMMANDS:
+        expect_in("--help", f"\n  {name} ", run.out)
+        page = cli.run(name, "--help")
+        expect(f"{name} --help: exit status", page.code, 0)
+        expect_in(f"{name} --help", f"usage: overfly {name}", page.out)
+        expect_in(f"{name} --help", "--help", page.out)
+    expect("--version", cli.run("--version").out.split()[0], "overfly")
+
+
+def help_comes_even_with_a_damaged_file(cli):
+    cli.write("config/overfly/overfly.conf", "[[[\n")
+    expect("exit status", cli.run("fly", "--help").code, 0)
+
+
+def wrong_usage_is_exit_2(cli):
+    cli.refused(2, "did you mean '--tau'", "--tua", "2")
+    cli.refused(2, "did you mean '--method'", "snapshot", "--metod", "brute")
+    cli.refused(2, "did you mean 'hybrid'", "snapshot", "-o", "x.png", "--method", "hybird")
+    cli.refused(2, "did you mean 'overfly snapshot'", "snapshoot")
+    cli.refused(2, "unexpected argument", "config", "fly", "again")
+    cli.refused(2, "-o FILE.png", "snapshot")
+    cli.refused(2, "ends in .png", "snapshot", "-o", "x.jpg")
+    cli.refused(2, "ends in .png", "fly", "--no-window", "--frames", "1", "--screenshot", "picture")
+    cli.refused(2, "a value is missing", "fly", "--tau")
+    cli.refused(2, "not to this subcommand", "fly", "--cull")
+    cli.refused(2, "OVERFLY_FOV", "fly", "--no-window", "--frames", "1", OVERFLY_FOV="wide")
+
+
+def a_damaged_file_is_named_with_its_line(cli):
+    path = cli.write("config/overfly/overfly.conf", "# mine\ntau = 2\nfov = wide\n")
+    cli.refused(2, f"{path}:3: fov: expected an angle", "snapshot", "-o", "x.png")
+
+
+def sources_win_in_order(cli):
+    cli.write("config/overfly/overfly.conf", "tau = 3\nfov = 50\nsize = 640x480\n")
+    rows = cli.json("config", "--tau", "5", OVERFLY_TAU="4", OVERFLY_FOV="40")["options"]
+    options = {row["name"]: row for row in rows}
+    expect("tau", (options["tau"]["value"], options["tau"]["source"]), ("5", "command line"))
+    expect("fov", (options["fov"]["value"], options["fov"]["source"]), ("40", "environment"))
+    expect("size", (options["size"]["value"], options["size"]["source"]), ("640x480", "file"))
+    expect_in("size", "overfly.conf:3", options["size"]["where"])
+    expect("method", (options["method"]["value"], options["method"]["source"]), ("hybrid", "default"))
+
+
+def missing_files_are_named(cli):
+    cli.refused(1, "nowhere.tif", "snapshot", "nowhere.tif", "-o", "x.png")
+    cli.refused(1, "nowhere.scene", "snapshot", "nowhere.scene", "-o", "x.png")
+    cli.refused(1, "nowhere.pgm", "snapshot", "--geoid", "nowhere.pgm", "-o", "x.png")
+    scene = cli.write("lost.scene", "[terrain]\ndem = gone.tif\n")
+    cli.refused(1, "gone.tif", "snapshot", scene, "-o", "x.png")
+    scene = cli.write("odd.scene", "[terrain]\nden = gone.tif\n")
+    cli.refused(1, f"{scene}:2:", "snapshot", scene, "-o", "x.png")
+    cli.refused(1, "nowhere/x.png", "snapshot", *SMALL, "-o", "nowhere/x.png")
+
+
+def a_snapshot_is_the_same_each_time(cli):
+    for name in ("a.png", "b.png"):
+        report = cli.json("snapshot", *SMALL, "-o", name)
+        expect("eye", len(report["eye"]), 3)
+        if report["triangles"] < 100:
+            raise Fault(f"only {report['triangles']} triangles")
+    expect("picture", cli.digest("b.png"), cli.digest("a.png"))
+
+
+def a_flight_repeats_in_lockstep(cli):
+    def fly(name, *options):
+        report = cli.json("fly", *SMALL, "--no-window", "--lockstep", "--demo", "--no-hud", "--frames", "30", "--screenshot",
+                          name, *options)
+        expect("frames", report["frames"], 30)
+        return cli.digest(name), report["lat_deg"], report["lon_deg"], report["alt_m"], report["heading_deg"]
+
+    first = fly("a.png")
+    expect("the same flight again", fly("b.png"), first)
+    expect("with one worker", fly("c.png", "--threads", "1"), first)
+    expect("with three workers and five partitions", fly("d.png", "--threads", "3", "--partitions", "5"), first)
+
+
+def overlapped_stages_draw_what_lockstep_draws(cli):
+    def fly(name, *options):
+        cli.json("fly", *SMALL, "--no-window", "--demo", "--no-hud", "--frames", "30", "--screenshot", name, *options)
+        return cli.digest(name)
+
+    expect("picture", fly("a.png"), fly("b.png", "--lockstep"))
+
+
+def pictures_are_spread_over_the_flight(cli):
+    report = cli.json("fly", *SMALL, "--no-window", "--demo", "--frames", "20", "--pictures", "new/folder",
+                      "--picture-count", "4")
+    expect("frames", report["frames"], 20)
+    expect("pictures", sorted(os.listdir(cli.path("new/folder"))), [f"overfly-00{i}.png" for i in range(1, 5)])
+
+
+def without_a_display_it_says_how_to_get_a_window(cli):
+    run = cli.run("fly")
+    expect(f"exit status, having said {run.err!r}", run.code, 1)
+    expect_in("message", "xvfb-run", run.err)
+    expect_in("message", "--no-window", run.err)
+    run = cli.run("fly", *SMALL, "--frames", "3", "--json")
+    expect(f"exit status with --frames, having said {run.err!r}", run.code, 0)
+    expect("window", json.loads(run.out)["window"], False)
+
+
+def signals_end_a_flight_cleanly(cli):
+    for name in ("SIGINT", "SIGTERM"):
+        process = cli.start("fly", *SMALL, "--no-window", "--json", "--pictures", "begun", "--picture-count", "1")
+        begin = time.time()
+        while not os.path.exists(cli.path("begun/overfly-001.png")) and time.time() - begin < 60:
+            time.sleep(0.05)
+        process.send_signal(getattr(signal, name))
+        out, err = process.communicate(timeout=60)
+        expect(f"exit status after {name}, having said {err!r}", process.returncode, 0)
+        if json.loads(out)["frames"] < 1:
+            raise Fault(f"no frame before {name}")
+        os.remove(cli.path("begun/overfly-001.png"))
+
+
+def a_flight_starts_in_the_air_wherever_it_is_asked_to(cli):
+    report = cli.json("fly", *SMALL, "--no-window", "--lockstep", "--frames", "5", "--eye", "36.6,-84.2,-3000", "--look",
+                      "90,0", "--speed", "160kt")
+    if report["above_ground_m"] < 30:
+        raise Fault(f"{report['above_ground_m']} m above the ground")
+    if abs(report["speed_m_s"] - 82.3) > 1 or abs(report["heading_deg"] - 90) > 1:
+        raise Fault(f"{report['speed_m_s']} m/s towards {report['heading_deg']}")
+    report = cli.json("fly", *SMALL, "--no-window", "--lockstep", "--frames", "60", "--speed", "10000", "--eye",
+                      "36.6,-84.2,9000")
+    for name in ("lat_deg", "lon_deg", "alt_m", "speed_m_s"):
+        if not isinstance(report[name], float):
+            raise Fault(f"{name} is {report[name]!r} after a second at 10 km/s")
+
+
+def a_full_disk_is_an_error(cli):
+    if not os.path.exists("/dev/full"):
+        return
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        process = subprocess.run([cli.program, "config", "--json"], stdout=full, stderr=subprocess.PIPE, text=True,
+                                 env=cli.environment, check=False)
+    expect("exit status", process.returncode, 1)
+    expect_in("message", "stdout", process.stderr)
+
+
+CASES = [help_is_instant_and_complete, help_comes_even_with_a_damaged_file, wrong_usage_is_exit_2,
+         a_damaged_file_is_named_with_its_line, sources_win_in_order, missing_files_are_named,
+         a_snapshot_is_the_same_each_time, a_flight_repeats_in_lockstep, overlapped_stages_draw_what_lockstep_draws,
+         pictures_are_spread_over_the_flight, without_a_display_it_says_how_to_get_a_window,
+         signals_end_a_flight_cleanly, a_flight_starts_in_the_air_wherever_it_is_asked_to, a_full_disk_is_an_error]
+
+
+def main():
+    program, wanted = os.path.abspath(sys.argv[1]), sys.argv[2:]
+    faults = 0
+    for case in CASES:
+        if wanted and case.__name__ not in wanted:
+            continue
+        with tempfile.TemporaryDirectory() as folder:
+            try:
+                case(Cli(program, folder))
+                print(f"ok      {case.__name__}", flush=True)
+            except (Fault, subprocess.TimeoutExpired, ValueError, KeyError, OSError) as fault:
+                faults += 1
+                print(f"FAILED  {case.__name__}: {fault}", flush=True)
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
