@@ -32,19 +32,19 @@ typedef struct DemGeoref {
 } DemGeoref;
 
 typedef struct Dem {
-    char *file;           // as given; for display
-    int width, height;    // samples, >= 2 each
+    char *file;        // as given; for display
+    int width, height; // samples, >= 2 each
     DemGeoref georef;
-    DemDatum datum;       // what height_m is measured from
-    bool datum_assumed;   // the file did not say
-    bool pixel_is_area;   // as the file had it; georef is of centres in any case
-    bool georeferenced;   // false: georef was made up from --spacing
-    char type[16];        // sample type in the file: "int16", "uint16", "float32", "rgb8" ...
-    char crs_name[64];    // "EPSG:4326", "EPSG:32610" ...
-    float *height_m;      // [height][width], row 0 the northernmost; voids are filled
-    uint8_t *void_bits;   // bit (row * width + col) & 7 of byte (row * width + col) >> 3; NULL: no voids
-    int64_t voids;        // samples without data
-    float min_m, max_m;   // over the samples with data
+    DemDatum datum;     // what height_m is measured from
+    bool datum_assumed; // the file did not say
+    bool pixel_is_area; // as the file had it; georef is of centres in any case
+    bool georeferenced; // false: georef was made up from --spacing
+    char type[16];      // sample type in the file: "int16", "uint16", "float32", "rgb8" ...
+    char crs_name[64];  // "EPSG:4326", "EPSG:32610" ...; "none" where the georeference was made up
+    float *height_m;    // [height][width], row 0 the northernmost; voids are filled
+    uint8_t *void_bits; // with DEM_VOIDS_HOLE: bit i & 7 of byte i >> 3 for i = row * width + col; NULL: none marked
+    int64_t voids;      // samples without data in the file, filled or not
+    float min_m, max_m; // over the samples with data
 } Dem;
 
 typedef struct DemOptions {
@@ -57,10 +57,13 @@ typedef struct DemOptions {
 } DemOptions;
 DemOptions dem_default_options(void);
 
-// Reads GeoTIFF, .hgt (also in .zip and .gz), 16-bit PNG, terrarium PNG; several paths or a folder must be
-// adjacent tiles of one grid and become one Dem. On failure one message names file, cause and remedy:
-// NOT_FOUND, IO, FORMAT (damaged, or not elevation), UNSUPPORTED (CRS, rotation, band count), RANGE (voids
-// with DEM_VOIDS_ERROR; not adjacent), MEMORY. Nothing is allocated from an unchecked header.
+// Reads GeoTIFF (integers of 8 to 32 bits, float32), .hgt (also in .zip and .gz), 16-bit PNG, terrarium PNG; several
+// paths or a folder must be adjacent tiles of one grid and become one Dem: where they overlap the first one's data
+// count, what none covers is void. `file` is the first path. Longitudes are such that the DEM's middle is in -180..180.
+// NAD83 and ETRS89 are taken as WGS84, with a warning. On failure one message names file, cause and remedy: NOT_FOUND,
+// IO, FORMAT (damaged, or not elevation), UNSUPPORTED (CRS, rotation, band count, sample type), RANGE (too small; off
+// the globe; nothing but voids, or any with DEM_VOIDS_ERROR; not adjacent), MEMORY. Nothing is allocated from an
+// unchecked header; beyond the samples, loading takes at most 1.5 bytes a sample, and only where there are voids.
 MUST_USE Result dem_load(const DemOptions *options, const char *const *paths, int path_count, Dem **out);
 
 // A Dem without a file, heights zero, for tests and synthetic scenes.
