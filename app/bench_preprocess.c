@@ -82,7 +82,7 @@ static Result plan(Bench *bench) {
 }
 
 static Result time_run(Run *run, int round, const float *height_m, const Grid *grid, const Forest *forest, Jobs *jobs) {
-    ErrorFieldInput input = {height_m, grid, forest, run->kind, run->scheme};
+    ErrorFieldInput input = {height_m, grid, forest, run->kind, run->scheme, NULL};
     ErrorField field;
     int64_t begin = clock_now_ns();
     Result result = error_field_create(&input, jobs, &field);

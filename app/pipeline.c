@@ -32,7 +32,7 @@ struct Pipeline {
     LodMethod method;
     Renderer *renderer; // drawing thread
     int64_t last_end_ns;
-    bool forget_patches; // under the lock: the next frame comes from another Lod
+    uint32_t lods; // created so far
 
     pthread_mutex_t lock;
     pthread_cond_t changed;
@@ -53,6 +53,7 @@ struct Pipeline {
 static Result change_method(Pipeline *p, LodMethod method) {
     LodOptions options = p->options.lod;
     options.method = method;
+    options.serial = ++p->lods;
     Lod *lod = NULL;
     Result result = lod_create(&options, p->options.terrain, &lod);
     if (result != RESULT_OK)
@@ -83,12 +84,6 @@ static Result refine(Pipeline *p, Packet *packet) {
 
 static Result create_renderer(Pipeline *p) {
     return render_create(&p->options.render, p->options.terrain, &p->renderer);
-}
-
-// Page numbers of another Lod mean other pages, so nothing of the cache may survive.
-static Result forget_patches(Pipeline *p) {
-    render_destroy(&p->renderer);
-    return create_renderer(p);
 }
 
 static void resize(Pipeline *p, const FrameOrder *order) {
@@ -187,24 +182,19 @@ static Result refine_next(Pipeline *p) {
     if (result == RESULT_OK)
         result = refine(p, packet);
     pthread_mutex_lock(&p->lock);
-    if (changed) {
-        p->forget_patches = true;
+    if (changed)
         p->released = 0; // the new Lod counts its frames anew
-    }
     set_state(p, packet, result == RESULT_OK ? PACKET_READY : PACKET_FREE);
     return result;
 }
 
 // Under the lock, which is open while the work is done.
 static Result draw_next(Pipeline *p, Packet *packet) {
-    bool forget = p->forget_patches;
-    p->forget_patches = false;
     set_state(p, packet, PACKET_DRAWING);
     pthread_mutex_unlock(&p->lock);
     RenderStats stats = {0};
-    Result result = forget ? forget_patches(p) : RESULT_OK, picture_failure = RESULT_OK;
-    if (result == RESULT_OK)
-        result = draw(p, packet, &stats, &picture_failure);
+    Result picture_failure = RESULT_OK;
+    Result result = draw(p, packet, &stats, &picture_failure);
     pthread_mutex_lock(&p->lock);
     if (p->stats.picture_failure == RESULT_OK)
         p->stats.picture_failure = picture_failure;

@@ -176,7 +176,29 @@ static void force_plane(ErrorPlane *plane) {
             plane->delta[(size_t)j * plane->stride + (size_t)i] = ERROR_FIELD_ALWAYS;
 }
 
+static void force_vertex(ErrorField *field, int col, int row) {
+    int k = __builtin_ctz((unsigned)(col | row) | 1u << FOREST_LEVEL_MAX);
+    if (k < field->plane_count)
+        field->planes[k].delta[(size_t)(row >> k) * field->planes[k].stride + (size_t)(col >> k)] = ERROR_FIELD_ALWAYS;
+}
+
+static void force_around(const ErrorWork *work, ErrorField *field, int col, int row) {
+    for (int j = row > 0 ? row - 1 : 0; j <= row + 1 && j < work->height; j++)
+        for (int i = col > 0 ? col - 1 : 0; i <= col + 1 && i < work->width; i++)
+            force_vertex(field, i, j);
+}
+
+static void mark_holes(const ErrorWork *work, ErrorField *field) {
+    const uint8_t *bits = work->input->void_bits;
+    size_t count = (size_t)work->width * (size_t)work->height;
+    for (size_t byte = 0; bits && byte < (count + 7) / 8; byte++)
+        for (size_t i = 8 * byte; bits[byte] && i < 8 * byte + 8 && i < count; i++)
+            if (bits[byte] >> (i & 7) & 1)
+                force_around(work, field, (int)(i % (size_t)work->width), (int)(i / (size_t)work->width));
+}
+
 static void mark_forced(const ErrorWork *work, ErrorField *field) {
+    mark_holes(work, field);
     for (int k = 0; k < field->plane_count; k++) {
         ErrorPlane *plane = &field->planes[k];
         if (too_large(work, plane))

@@ -61,6 +61,9 @@ typedef struct ErrorFieldInput {
     const Forest *forest;
     TerrainErrorKind kind;
     ErrorScheme scheme; // the same bits either way
+    // As Dem.void_bits, or NULL: samples that are to stay holes. They and their neighbours are always active, so that
+    // a hole has its samples' shape in every cut.
+    const uint8_t *void_bits;
 } ErrorFieldInput;
 
 // Nested: for each child c of a vertex v, delta(v) >= delta(c) and radius(v) >= |p(v) - p(c)| + radius(c), p on the

@@ -20,6 +20,7 @@ typedef struct LodOptions {
     int64_t max_triangles; // > 0; above it the tolerance is raised
     size_t page_bytes_max; // CPU memory for vertex pages no longer drawn
     bool reuse;            // false: every patch is triangulated anew each frame
+    uint32_t serial;       // 0 .. 2^24 - 1; Lods drawn by one renderer have different ones, and so have their pages
 } LodOptions;
 LodOptions lod_default_options(void);
 

@@ -47,11 +47,11 @@ static Result create_leaves(Brute *b) {
 }
 
 static Result brute_create(const LodOptions *options, const Terrain *terrain, void **state) {
-    (void)options;
     Brute *b = calloc(1, sizeof *b);
     if (!b)
         return RESULT_MEMORY;
     b->terrain = terrain;
+    b->pages.next_id = lod_first_id(options);
     Result result = create_leaves(b);
     for (int i = 0; i < PATCH_FOREST_TEMPLATES && result == RESULT_OK; i++) {
         const PatchTemplate *patch = &terrain->patches.templates[i];

@@ -448,6 +448,7 @@ static Result hybrid_create(const LodOptions *options, const Terrain *terrain, v
         return RESULT_MEMORY;
     h->options = *options;
     h->terrain = terrain;
+    h->pages.next_id = h->next_revision = lod_first_id(options);
     h->nodes = calloc((size_t)terrain->patches.node_count, sizeof *h->nodes);
     if (!h->nodes) {
         hybrid_destroy(h);

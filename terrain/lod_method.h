@@ -12,6 +12,11 @@ typedef struct LodCall {
     uint64_t released; // frames up to this one are no longer read
 } LodCall;
 
+// Ids of pages and revisions count up from here.
+static inline uint64_t lod_first_id(const LodOptions *options) {
+    return (uint64_t)options->serial << 40;
+}
+
 typedef struct LodOps {
     const char *name;
     Result (*create)(const LodOptions *options, const Terrain *terrain, void **state);

@@ -58,12 +58,32 @@ static bool gather_vertex(Gather *gather, const LodPage *page, uint16_t index, u
     return true;
 }
 
-static Result gather_items(Gather *gather, const LodCut *cut) {
-    uint32_t *to = gather->mesh->indices;
-    for (int32_t i = 0; i < cut->item_count; i++)
-        for (int32_t k = 0; k < cut->items[i].index_count; k++)
-            if (!gather_vertex(gather, cut->items[i].page, cut->items[i].indices[k], to++))
+// Around voids that are to stay holes every vertex is active, so a triangle at a void sample lies in the hole.
+static bool is_in_hole(const Dem *dem, const LodPage *page, const uint16_t *triangle) {
+    for (int k = 0; k < 3 && dem->void_bits; k++)
+        if (dem_is_void(dem, page->col0 + page->vertices[triangle[k]].col,
+                        page->row0 + page->vertices[triangle[k]].row))
+            return true;
+    return false;
+}
+
+static bool gather_triangle(Gather *gather, const LodPage *page, const uint16_t *triangle) {
+    uint32_t *to = gather->mesh->indices + 3 * gather->mesh->triangle_count;
+    for (int k = 0; k < 3; k++)
+        if (!gather_vertex(gather, page, triangle[k], &to[k]))
+            return false;
+    gather->mesh->triangle_count++;
+    return true;
+}
+
+static Result gather_items(Gather *gather, const Dem *dem, const LodCut *cut) {
+    for (int32_t i = 0; i < cut->item_count; i++) {
+        const LodItem *item = &cut->items[i];
+        for (int32_t k = 0; k < item->index_count; k += 3)
+            if (!is_in_hole(dem, item->page, item->indices + k) &&
+                !gather_triangle(gather, item->page, item->indices + k))
                 return RESULT_MEMORY;
+    }
     return RESULT_OK;
 }
 
@@ -75,19 +95,19 @@ static int64_t count_triangles(const LodCut *cut) {
 }
 
 Result mesh_from_cut_of(const Dem *dem, const Grid *grid, const LodCut *cut, Mesh *out) {
-    Mesh mesh = {.frame = frame_of(dem, grid), .triangle_count = count_triangles(cut)};
-    if (mesh.triangle_count > INT32_MAX) {
-        log_error("mesh: %lld triangles, at most %d can be written; raise --tau", (long long)mesh.triangle_count,
-                  INT32_MAX);
+    Mesh mesh = {.frame = frame_of(dem, grid)};
+    int64_t most = count_triangles(cut);
+    if (most > INT32_MAX) {
+        log_error("mesh: %lld triangles, at most %d can be written; raise --tau", (long long)most, INT32_MAX);
         return RESULT_RANGE;
     }
     Gather gather = {.width = dem->width, .mesh = &mesh};
     gather.number = calloc((size_t)dem->width * (size_t)dem->height, sizeof *gather.number);
-    mesh.indices = malloc(sizeof *mesh.indices * (size_t)(3 * mesh.triangle_count + 1));
-    Result result = gather.number && mesh.indices ? gather_items(&gather, cut) : RESULT_MEMORY;
+    mesh.indices = malloc(sizeof *mesh.indices * (size_t)(3 * most + 1));
+    Result result = gather.number && mesh.indices ? gather_items(&gather, dem, cut) : RESULT_MEMORY;
     free(gather.number);
     if (result != RESULT_OK) {
-        log_error("mesh: no memory for %lld triangles; raise --tau", (long long)mesh.triangle_count);
+        log_error("mesh: no memory for %lld triangles; raise --tau", (long long)most);
         mesh_clear(&mesh);
         return result;
     }

@@ -87,7 +87,8 @@ static Result build_levels(Terrain *terrain, Jobs *jobs) {
                               .grid = terrain->grid,
                               .forest = &terrain->forest,
                               .kind = terrain->options.error,
-                              .scheme = ERROR_SCHEME_PARALLEL};
+                              .scheme = ERROR_SCHEME_PARALLEL,
+                              .void_bits = terrain->dem->void_bits};
     result = error_field_create(&errors, jobs, &terrain->errors);
     if (result != RESULT_OK)
         return result;

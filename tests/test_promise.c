@@ -2,6 +2,7 @@
 #include "base/arena.h"
 #include "base/log.h"
 #include "terrain/geodesy.h"
+#include "terrain/mesh.h"
 #include "tests/cut_support.h"
 
 #include <inttypes.h>
@@ -167,6 +168,54 @@ static void test_any_size_is_covered(void **state) {
     for (size_t i = 0; i < COUNT_OF(SIZES); i++)
         for (int patch_level = 2; patch_level <= 12; patch_level += 2)
             check_size(SIZES[i][0], SIZES[i][1], patch_level, &random);
+}
+
+// ---- holes ----
+
+static bool is_open(int col, int row) {
+    return (col >= 40 && col < 46 && row >= 30 && row < 33) || (col == 64 && row == 64) || (col == 0 && row == 99);
+}
+
+// Cells that no open sample touches are covered, triangles at open samples are gone, at any tolerance.
+static void test_holes_keep_their_shape(void **state) {
+    (void)state;
+    enum { WIDTH = 130, HEIGHT = 101 };
+    const DemGeoref georef = {DEM_CRS_GEOGRAPHIC, 0, false, 7.0, 46.0, 0.0005, -0.0003};
+    Dem *dem = support_rough_dem(WIDTH, HEIGHT, &georef, 500.0, SEED);
+    dem->void_bits = calloc((WIDTH * HEIGHT + 7) / 8, 1);
+    int touched = 0;
+    for (int row = 0; row < HEIGHT; row++) {
+        for (int col = 0; col < WIDTH; col++) {
+            int i = row * WIDTH + col;
+            dem->void_bits[i >> 3] = (uint8_t)(dem->void_bits[i >> 3] | is_open(col, row) << (i & 7));
+            touched +=
+                col + 1 < WIDTH && row + 1 < HEIGHT &&
+                (is_open(col, row) || is_open(col + 1, row) || is_open(col, row + 1) || is_open(col + 1, row + 1));
+        }
+    }
+    Bench b = bench_of(dem, TERRAIN_ERROR_TOTAL, 6, 0);
+    for (double tau = 0.5; tau < 1e6; tau *= 16.0) {
+        LodView view = support_view(support_eye(b.terrain, 64.0, 50.0, 800.0), tau);
+        bench_check(&b, &view, "holes");
+        Mesh mesh;
+        assert_int_equal(mesh_from_cut(b.terrain, &b.cut, &mesh), RESULT_OK);
+        int64_t doubled_area = 0;
+        for (int64_t i = 0; i < mesh.triangle_count; i++) {
+            const MeshVertex *v[3];
+            for (int k = 0; k < 3; k++) {
+                v[k] = &mesh.vertices[mesh.indices[3 * i + k]];
+                assert_false(is_open((int)v[k]->col, (int)v[k]->row));
+            }
+            doubled_area += llabs((int64_t)((v[1]->col - v[0]->col) * (v[2]->row - v[0]->row)) -
+                                  (int64_t)((v[1]->row - v[0]->row) * (v[2]->col - v[0]->col)));
+        }
+        int64_t missing = 2 * (WIDTH - 1) * (HEIGHT - 1) - doubled_area;
+        print_message("tau %g: %" PRId64 " triangles, %g cells open of %d touched\n", tau, mesh.triangle_count,
+                      0.5 * (double)missing, touched);
+        assert_true(missing <= 2 * touched && missing > touched);
+        mesh_clear(&mesh);
+    }
+    bench_end(&b);
 }
 
 // ---- places ----
@@ -358,6 +407,7 @@ int main(void) {
         cmocka_unit_test(test_hard_shapes_are_drawn_within_the_tolerance),
         cmocka_unit_test(test_a_plane_takes_few_triangles),
         cmocka_unit_test(test_any_size_is_covered),
+        cmocka_unit_test(test_holes_keep_their_shape),
         cmocka_unit_test(test_any_place_on_earth_keeps_the_promise),
         cmocka_unit_test(test_puget_sound_keeps_the_promise),
         cmocka_unit_test(test_maui_keeps_the_promise),
