@@ -16,5 +16,6 @@ void bench_add_machine(Json *parent);
 // {p50, p99, max} of `count` values, which are sorted.
 void bench_add_percentiles(Json *parent, const char *name, double *values, int count);
 
-// Rough ground: midpoint noise of octaves down to single samples, each 0.55 of the one before, 0 .. about 1800 m. [side][side]
+// Rough ground: midpoint noise of octaves down to single samples, each 0.55 of the one before, 0 .. about 1800 m.
+// [side][side]
 void bench_fill_rough(float *height_m, int side);

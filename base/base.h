@@ -11,16 +11,16 @@ extern "C" {
 #endif
 
 // One row per code: identifier, text for people.
-#define RESULT_TABLE(X)                                                                            \
-    X(OK, "done")                                                                                  \
-    X(USAGE, "wrong usage")                                                                        \
-    X(NOT_FOUND, "not found")                                                                      \
-    X(IO, "reading or writing failed")                                                             \
-    X(FORMAT, "the file is damaged or of another kind")                                            \
-    X(UNSUPPORTED, "not supported")                                                                \
-    X(RANGE, "a value is out of range")                                                            \
-    X(MEMORY, "out of memory")                                                                     \
-    X(DEVICE, "a device or driver is missing or failed")                                           \
+#define RESULT_TABLE(X)                                                                                                \
+    X(OK, "done")                                                                                                      \
+    X(USAGE, "wrong usage")                                                                                            \
+    X(NOT_FOUND, "not found")                                                                                          \
+    X(IO, "reading or writing failed")                                                                                 \
+    X(FORMAT, "the file is damaged or of another kind")                                                                \
+    X(UNSUPPORTED, "not supported")                                                                                    \
+    X(RANGE, "a value is out of range")                                                                                \
+    X(MEMORY, "out of memory")                                                                                         \
+    X(DEVICE, "a device or driver is missing or failed")                                                               \
     X(BUDGET, "a budget was reached")
 
 typedef enum Result {
@@ -39,7 +39,7 @@ const char *result_text(Result result);
 
 // Several builds of one function, chosen when the program starts. Without contraction of multiply-adds
 // (-ffp-contract=off) all of them give the same bits.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) &&               \
     !defined(__SANITIZE_THREAD__)
 #define SIMD_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
 #else

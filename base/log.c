@@ -68,19 +68,19 @@ static void emit(LogLevel level, const char *format, va_list arguments) {
         } else {
             bool colour = wants_colour() && LOOKS[level].colour[0];
             close_progress_line();
-            fprintf(stderr, "%s%s%s%s\n", colour ? LOOKS[level].colour : "", LOOKS[level].word,
-                    colour ? "\033[0m" : "", message);
+            fprintf(stderr, "%s%s%s%s\n", colour ? LOOKS[level].colour : "", LOOKS[level].word, colour ? "\033[0m" : "",
+                    message);
         }
     }
     pthread_mutex_unlock(&state.lock);
 }
 
-#define DEFINE_LOG(name, level)                                                                    \
-    void name(const char *format, ...) {                                                           \
-        va_list arguments;                                                                         \
-        va_start(arguments, format);                                                               \
-        emit(level, format, arguments);                                                            \
-        va_end(arguments);                                                                         \
+#define DEFINE_LOG(name, level)                                                                                        \
+    void name(const char *format, ...) {                                                                               \
+        va_list arguments;                                                                                             \
+        va_start(arguments, format);                                                                                   \
+        emit(level, format, arguments);                                                                                \
+        va_end(arguments);                                                                                             \
     }
 DEFINE_LOG(log_error, LOG_ERROR)
 DEFINE_LOG(log_warn, LOG_WARN)

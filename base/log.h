@@ -28,7 +28,7 @@ void log_debug(const char *format, ...) PRINTF_LIKE(1, 2);
 // A line such as "error field  42 %" that appears on stderr once the work has lasted a second, is drawn
 // again in place on a terminal, and is written once per 10 s elsewhere. Used by one thread.
 typedef struct Progress {
-    const char *what;    // borrowed
+    const char *what; // borrowed
     int64_t begin_ns;
     int64_t shown_ns;
     bool shown;

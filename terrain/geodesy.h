@@ -4,8 +4,8 @@
 #pragma once
 #include "base/vec.h"
 
-#define GEODESY_A_M 6378137.0                 // equatorial radius, WGS84 (NGA.STND.0036)
-#define GEODESY_F (1.0 / 298.257223563)       // flattening
+#define GEODESY_A_M 6378137.0           // equatorial radius, WGS84 (NGA.STND.0036)
+#define GEODESY_F (1.0 / 298.257223563) // flattening
 #define GEODESY_B_M (GEODESY_A_M * (1.0 - GEODESY_F))
 #define GEODESY_E2 (GEODESY_F * (2.0 - GEODESY_F)) // first eccentricity squared
 #define GEODESY_PI 3.14159265358979323846
