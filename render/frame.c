@@ -67,10 +67,17 @@ static void fill_air(Frame *frame) {
         0.0);
 }
 
+#define GLOBE_BELOW_EYE_M 50.0
+
+void frame_set_globe(Frame *frame, double height_m) {
+    frame->globe_m = fmin(height_m, frame->eye_h_m - GLOBE_BELOW_EYE_M);
+    frame->block.air[3] = (float)(frame->globe_m * 1e-3);
+}
+
 // What a camera would do about a low sun: open up, but less than the light fades.
 static double exposure_for(double mu_sun) {
     double brightness = fmax(mu_sun + 0.10, 0.02) / 1.10;
-    return 11.0 * pow(brightness, -0.42);
+    return 4.5 * pow(brightness, -0.42);
 }
 
 void frame_set_sun(Frame *frame, Vec3d sun_ecef) {

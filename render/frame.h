@@ -21,7 +21,7 @@ typedef struct FrameBlock {
     float eye_up[4];           // up at the eye, round space; w: its height, km
     float sun_side[4];         // horizontal unit vector towards the sun, round space; w: cosine of its zenith angle
     float air[4];              // density of air and of haze at the eye, 1 at sea level; z: cosine of the horizon's
-                               // zenith angle; w: unused
+                               // zenith angle; w: height of the globe around the data, km
     float light_sun[2][4];     // irradiance at the data's middle, at sea level and at FRAME_LIGHT_M
     float light_sky[2][4];
     int32_t mode[4];           // RenderColouring; 1: flat colours without dithering, for tests; unused
@@ -37,12 +37,15 @@ typedef struct Frame {
     Vec3d planes[4];   // inward unit normals of the sides of the view, through the eye: left, right, bottom, top
     Vec3d forward;     // unit
     double eye_h_m;    // above the ellipsoid, in round space
+    double globe_m;    // height of the globe
     double mu_sun;     // cosine of the sun's zenith angle at the eye, round space
 } Frame;
 
 Frame frame_make(const RenderCamera *camera, int width, int height);
 // The parts of the block that tell of sun and air.
 void frame_set_sun(Frame *frame, Vec3d sun_ecef);
+// What surrounds the data: a globe as high as their rim, but always below the eye.
+void frame_set_globe(Frame *frame, double height_m);
 // Into round space.
 Vec3d frame_round(Vec3d ecef);
 

@@ -20,6 +20,8 @@ struct Ground {
     GLuint textures[GROUND_UNITS];
     GLuint block_buffer;
     GroundBlock block;
+    uint32_t *wet_blocks; // as GroundSurface has them
+    int wet_width, wet_height;
     Vec3d middle_ecef, east, north;
     bool software, has_holes, has_shade;
     double shade_azimuth_rad;
@@ -32,7 +34,7 @@ static GLuint create_texture(GLenum format, int width, int height, GLenum wrap, 
         levels++;
     glCreateTextures(GL_TEXTURE_2D, 1, &texture);
     glTextureStorage2D(texture, levels, format, width, height);
-    glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+    glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, software ? GL_LINEAR_MIPMAP_NEAREST : GL_LINEAR_MIPMAP_LINEAR);
     glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     glTextureParameteri(texture, GL_TEXTURE_WRAP_S, (GLint)wrap);
     glTextureParameteri(texture, GL_TEXTURE_WRAP_T, (GLint)wrap);
@@ -83,6 +85,10 @@ static Result create_surface(Ground *ground, Jobs *jobs) {
     ground->textures[GROUND_UNIT_SURFACE] = cells;
     ground->textures[GROUND_UNIT_HEIGHT] = heights;
     fill_block(ground, &surface);
+    ground->wet_blocks = surface.wet_blocks;
+    ground->wet_width = surface.wet_width;
+    ground->wet_height = source->height / GROUND_BLOCK + 2;
+    surface.wet_blocks = NULL;
     ground_surface_destroy(&surface);
     return RESULT_OK;
 }
@@ -181,6 +187,7 @@ void ground_destroy(Ground **ground) {
     glDeleteTextures(GROUND_UNITS, self->textures);
     glDeleteBuffers(1, &self->block_buffer);
     ground_source_destroy(&self->source);
+    free(self->wet_blocks);
     free(self);
     *ground = NULL;
 }
@@ -221,6 +228,22 @@ void ground_follow_sun(Ground *ground, Vec3d sun_ecef) {
 void ground_bind(const Ground *ground) {
     glBindTextures(0, GROUND_UNITS, ground->textures);
     glBindBufferBase(GL_UNIFORM_BUFFER, GROUND_BLOCK_BINDING, ground->block_buffer);
+}
+
+static int block_corner(int cell, int count) {
+    int block = cell < 0 ? 0 : cell / GROUND_BLOCK;
+    return block < count ? block : count - 1;
+}
+
+bool ground_is_wet(const Ground *ground, int col, int row, int cols, int rows) {
+    int step = ground->source.step, width = ground->wet_width;
+    // One cell more on every side: the texture is read between cells.
+    int left = block_corner(col / step - 1, width - 1), top = block_corner(row / step - 1, ground->wet_height - 1);
+    int right = block_corner((col + cols) / step + 1, width - 1) + 1;
+    int bottom = block_corner((row + rows) / step + 1, ground->wet_height - 1) + 1;
+    const uint32_t *upper = ground->wet_blocks + (size_t)top * (size_t)width;
+    const uint32_t *lower = ground->wet_blocks + (size_t)bottom * (size_t)width;
+    return lower[right] - lower[left] - upper[right] + upper[left] > 0;
 }
 
 bool ground_has_holes(const Ground *ground) {

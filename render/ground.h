@@ -8,7 +8,7 @@
 #include "terrain/terrain.h"
 
 #define GROUND_BLOCK_BINDING 1
-#define GROUND_NOISE_M 16384.0 // the noise repeats after that
+#define GROUND_NOISE_M 32768.0 // the noise repeats after that
 
 // Texture units, as shaders/ground.glsl has them.
 enum { GROUND_UNIT_SURFACE, GROUND_UNIT_HEIGHT, GROUND_UNIT_SHADE, GROUND_UNIT_NOISE, GROUND_UNIT_HOLES, GROUND_UNITS };
@@ -33,6 +33,8 @@ void ground_follow_sun(Ground *ground, Vec3d sun_ecef);
 // Binds textures and the uniform block.
 void ground_bind(const Ground *ground);
 
+// Whether there may be water among samples col .. col + cols, row .. row + rows, or right beside them.
+bool ground_is_wet(const Ground *ground, int col, int row, int cols, int rows);
 bool ground_has_holes(const Ground *ground);
 Vec3d ground_middle_ecef(const Ground *ground); // on the ellipsoid
 double ground_globe_m(const Ground *ground);

@@ -199,9 +199,10 @@ static Result build_all(Build *build, Jobs *jobs) {
         return result;
     }
     jobs_run(jobs, surface->height, ROWS_A_PIECE, open_sky_rows, build);
-    if ((result = ground_water_find(build->source, surface)) == RESULT_OK)
-        measure_border(surface, build->source);
-    return result;
+    if ((result = ground_water_find(build->source, surface)) != RESULT_OK)
+        return result;
+    measure_border(surface, build->source);
+    return ground_water_count(surface);
 }
 
 Result ground_surface_create(const GroundSource *source, Jobs *jobs, GroundSurface *out) {
@@ -228,5 +229,6 @@ Result ground_surface_create(const GroundSource *source, Jobs *jobs, GroundSurfa
 void ground_surface_destroy(GroundSurface *surface) {
     free(surface->cells);
     free(surface->heights);
+    free(surface->wet_blocks);
     *surface = (GroundSurface){0};
 }

@@ -129,3 +129,29 @@ Result ground_water_find(const GroundSource *source, GroundSurface *surface) {
     free(runs.items);
     return RESULT_OK;
 }
+
+static bool block_is_wet(const GroundSurface *surface, int block_x, int block_y) {
+    int x_end = (block_x + 1) * GROUND_BLOCK < surface->width ? (block_x + 1) * GROUND_BLOCK : surface->width;
+    int y_end = (block_y + 1) * GROUND_BLOCK < surface->height ? (block_y + 1) * GROUND_BLOCK : surface->height;
+    for (int y = block_y * GROUND_BLOCK; y < y_end; y++)
+        for (int x = block_x * GROUND_BLOCK; x < x_end; x++)
+            if (surface->cells[((size_t)y * (size_t)surface->width + (size_t)x) * 4 + 3])
+                return true;
+    return false;
+}
+
+Result ground_water_count(GroundSurface *surface) {
+    int width = surface->width / GROUND_BLOCK + 2, height = surface->height / GROUND_BLOCK + 2;
+    surface->wet_width = width;
+    surface->wet_blocks = calloc((size_t)width * (size_t)height, sizeof *surface->wet_blocks);
+    if (!surface->wet_blocks) {
+        log_error("out of memory for the table of waters");
+        return RESULT_MEMORY;
+    }
+    for (int y = 1; y < height; y++) {
+        uint32_t *row = surface->wet_blocks + (size_t)y * (size_t)width, *above = row - width;
+        for (int x = 1; x < width; x++)
+            row[x] = row[x - 1] + above[x] - above[x - 1] + block_is_wet(surface, x - 1, y - 1);
+    }
+    return RESULT_OK;
+}

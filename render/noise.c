@@ -2,9 +2,9 @@
 
 #include <math.h>
 
-#define OCTAVES 6
-#define FIRST_CELLS 4   // of the coarsest octave
-#define MOSAIC_CELLS 24
+#define OCTAVES 4
+#define FIRST_CELLS 10 // of the coarsest octave: features much smaller than the picture, so that its repeats don't show
+#define MOSAIC_CELLS 18
 
 static uint32_t hash(uint32_t x, uint32_t y, uint32_t seed) {
     uint32_t h = x * 0x9e3779b1u ^ y * 0x85ebca77u ^ seed * 0xc2b2ae3du;
@@ -69,7 +69,7 @@ void noise_fill(uint8_t *out) {
         for (int x = 0; x < NOISE_SIDE; x++) {
             float u = ((float)x + 1.0f) * texel, v = ((float)y + 1.0f) * texel; // one texel in, so that neighbours are >= 0
             uint8_t *cell = out + ((size_t)y * NOISE_SIDE + (size_t)x) * 4;
-            cell[0] = signed_byte(1.2f * fractal(u, v));
+            cell[0] = signed_byte(1.3f * fractal(u, v));
             cell[1] = signed_byte((fractal(u + texel, v) - fractal(u - texel, v)) * slope_scale);
             cell[2] = signed_byte((fractal(u, v + texel) - fractal(u, v - texel)) * slope_scale);
             cell[3] = (uint8_t)lrintf(255.0f * mosaic(u, v));

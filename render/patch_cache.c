@@ -169,12 +169,26 @@ static uint32_t upload(PatchCache *cache, PatchKey key, const void *data, size_t
     return index;
 }
 
+static void measure_page(PatchEntry *entry, const LodPage *page) {
+    for (int32_t i = 0; i < page->vertex_count; i++) {
+        entry->cols = page->vertices[i].col > entry->cols ? page->vertices[i].col : entry->cols;
+        entry->rows = page->vertices[i].row > entry->rows ? page->vertices[i].row : entry->rows;
+    }
+}
+
+static uint32_t upload_page(PatchCache *cache, PatchKey key, const LodPage *page) {
+    uint32_t index = upload(cache, key, page->vertices, page_bytes(page));
+    if (index != PATCH_NONE)
+        measure_page(&cache->table.entries[index], page);
+    return index;
+}
+
 static uint32_t place_page(PatchCache *cache, const LodPage *page, bool *uploaded) {
     PatchKey key = {page->id, 0, PATCH_PAGE};
     uint32_t index = patch_table_find(&cache->table, key);
     *uploaded = index == PATCH_NONE;
     if (*uploaded)
-        return upload(cache, key, page->vertices, page_bytes(page));
+        return upload_page(cache, key, page);
     patch_table_touch(&cache->table, index, cache->frame);
     return index;
 }
@@ -207,6 +221,8 @@ static bool place_item(PatchCache *cache, const LodItem *item, PatchPlace *place
     supersede(cache, page, indices);
     const PatchEntry *entries = cache->table.entries;
     place->base_vertex = (int32_t)(vram_offset(cache->vram, entries[page].region) / sizeof(LodVertex));
+    place->cols = entries[page].cols;
+    place->rows = entries[page].rows;
     place->first_index = (uint32_t)(vram_offset(cache->vram, entries[indices].region) / sizeof(uint16_t));
     return true;
 }

@@ -11,6 +11,7 @@ typedef struct PatchCache PatchCache;
 typedef struct PatchPlace {
     uint32_t first_index; // 16-bit indices from the buffer's begin
     int32_t base_vertex;  // LodVertex from the buffer's begin
+    uint16_t cols, rows;  // samples the page spans, from its first
     bool page_uploaded;   // in this frame
 } PatchPlace;
 

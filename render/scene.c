@@ -7,6 +7,7 @@
 #include "render/ground.h"
 #include "render/patch_cache.h"
 #include "render/shader.h"
+#include "render/sky_pass.h"
 #include "render/terrain_pass.h"
 #include "terrain/geodesy.h"
 
@@ -22,18 +23,21 @@ struct Scene {
     Atmosphere *atmosphere;
     Ground *ground;
     Drape *drape; // NULL: no image
-    GLuint land_program, sky_program, wire_program; // wire: 0 until it is called for
-    GLuint frame_buffer;                            // uniform block
-    GLuint empty_array;                             // for draws without attributes
+    SkyPass *sky_pass;
+    GLuint land_program, shore_program; // patches without water, and with
+    GLuint wire_program;                // 0 until it is called for
+    GLuint frame_buffer;                // uniform block
     char defines[64];
     Frame frame;
 };
 
 static Result create_programs(Scene *scene) {
+    char with_water[96];
+    snprintf(with_water, sizeof with_water, "%s WATER", scene->defines);
     const ShaderSpec land = {.stages = {"terrain.vert", "terrain.frag"}, .defines = scene->defines};
-    const ShaderSpec sky = {.stages = {"fullscreen.vert", "sky.frag"}, .defines = scene->defines};
+    const ShaderSpec shore = {.stages = {"terrain.vert", "terrain.frag"}, .defines = with_water};
     Result result = shader_create_program(&land, &scene->land_program);
-    return result == RESULT_OK ? shader_create_program(&sky, &scene->sky_program) : result;
+    return result == RESULT_OK ? shader_create_program(&shore, &scene->shore_program) : result;
 }
 
 static Result create_terrain_pass(Scene *scene) {
@@ -56,10 +60,11 @@ static Result create_parts(Scene *scene, const RenderOptions *options, const Ter
         return result;
     snprintf(scene->defines, sizeof scene->defines, "%s%s", ground_has_holes(scene->ground) ? "HOLES " : "",
              scene->drape ? "DRAPE" : "");
-    glCreateVertexArrays(1, &scene->empty_array);
     glCreateBuffers(1, &scene->frame_buffer);
     glNamedBufferStorage(scene->frame_buffer, sizeof(FrameBlock), NULL, GL_DYNAMIC_STORAGE_BIT);
-    return create_programs(scene);
+    if ((result = create_programs(scene)) != RESULT_OK)
+        return result;
+    return sky_pass_create(scene->defines, &scene->sky_pass);
 }
 
 Result scene_create(const RenderOptions *options, const Terrain *terrain, bool software, Scene **out) {
@@ -83,14 +88,14 @@ void scene_destroy(Scene **scene) {
         return;
     patch_cache_destroy(&self->cache);
     terrain_pass_destroy(&self->terrain_pass);
+    sky_pass_destroy(&self->sky_pass);
     atmosphere_destroy(&self->atmosphere);
     ground_destroy(&self->ground);
     drape_destroy(&self->drape);
     glDeleteProgram(self->land_program);
-    glDeleteProgram(self->sky_program);
+    glDeleteProgram(self->shore_program);
     glDeleteProgram(self->wire_program);
     glDeleteBuffers(1, &self->frame_buffer);
-    glDeleteVertexArrays(1, &self->empty_array);
     free(self);
     *scene = NULL;
 }
@@ -116,12 +121,13 @@ static void set_light(Scene *scene, Vec3d sun_ecef) {
 Result scene_prepare(Scene *scene, const RenderPacket *packet, int width, int height) {
     scene->frame = frame_make(&packet->camera, width, height);
     frame_set_sun(&scene->frame, packet->sun_ecef);
+    frame_set_globe(&scene->frame, ground_globe_m(scene->ground));
     set_light(scene, packet->sun_ecef);
     scene->frame.block.mode[0] = (int32_t)packet->colouring;
     scene->frame.block.mode[1] = packet->magenta_background;
     ground_follow_sun(scene->ground, packet->sun_ecef);
     patch_cache_begin_frame(scene->cache);
-    return terrain_pass_prepare(scene->terrain_pass, scene->cache, &scene->frame, &packet->cut);
+    return terrain_pass_prepare(scene->terrain_pass, scene->cache, &scene->frame, scene->ground, &packet->cut);
 }
 
 static void set_state(unsigned framebuffer, int width, int height) {
@@ -154,17 +160,6 @@ static void bind_inputs(const Scene *scene) {
     glBindBufferBase(GL_UNIFORM_BUFFER, FRAME_BLOCK_BINDING, scene->frame_buffer);
 }
 
-// Where no terrain is: depth is still that of infinity.
-static void draw_sky(const Scene *scene) {
-    glDepthFunc(GL_EQUAL);
-    glDepthMask(GL_FALSE);
-    glUseProgram(scene->sky_program);
-    glBindVertexArray(scene->empty_array);
-    glDrawArrays(GL_TRIANGLES, 0, 3);
-    glBindVertexArray(0);
-    glDepthMask(GL_TRUE);
-}
-
 static bool have_wire_program(Scene *scene) {
     const ShaderSpec wire = {.stages = {"terrain.vert", "wire.frag"}};
     if (!scene->wire_program && shader_create_program(&wire, &scene->wire_program) != RESULT_OK)
@@ -184,7 +179,7 @@ static void draw_wire(Scene *scene) {
     glPolygonOffset(0.5f, 8.0f);
     glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
     glUseProgram(scene->wire_program);
-    terrain_pass_draw(scene->terrain_pass, scene->cache);
+    terrain_pass_draw(scene->terrain_pass, scene->cache, TERRAIN_ALL);
     glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
     glDisable(GL_POLYGON_OFFSET_LINE);
     glDisable(GL_BLEND);
@@ -196,9 +191,11 @@ void scene_draw(Scene *scene, const RenderPacket *packet, unsigned framebuffer, 
     set_state(framebuffer, width, height);
     bind_inputs(scene);
     glUseProgram(scene->land_program);
-    terrain_pass_draw(scene->terrain_pass, scene->cache);
+    terrain_pass_draw(scene->terrain_pass, scene->cache, TERRAIN_DRY);
+    glUseProgram(scene->shore_program);
+    terrain_pass_draw(scene->terrain_pass, scene->cache, TERRAIN_WET);
     if (!packet->magenta_background)
-        draw_sky(scene);
+        sky_pass_draw(scene->sky_pass, &scene->frame);
     if (packet->wireframe)
         draw_wire(scene);
     patch_cache_end_frame(scene->cache);

@@ -19,6 +19,7 @@ typedef struct Placed {
     GridPoint origin;
     int32_t col0, row0;
     uint32_t info; // level | state << 8 | partition << 16
+    bool wet;      // has water
     Vec3d centre_ecef;
     double radius_m;
 } Placed;
@@ -40,6 +41,7 @@ typedef struct Instance {
 _Static_assert(sizeof(Instance) == 44, "attribute offsets below");
 
 typedef struct Visible {
+    bool wet;
     double distance_m;
     int32_t index;
 } Visible;
@@ -51,7 +53,7 @@ struct TerrainPass {
     Visible *visible;
     DrawCommand *commands;
     Instance *instances;
-    int32_t capacity, placed_count, visible_count;
+    int32_t capacity, placed_count, visible_count, dry_count; // the dry ones come first
     int64_t triangles;
     double noise_repeats[2]; // per column and row
     bool over_budget; // since when it has been said
@@ -126,7 +128,7 @@ static Result reserve(TerrainPass *pass, int32_t count) {
     return RESULT_OK;
 }
 
-static Placed placed_from(const LodItem *item, const PatchPlace *place) {
+static Placed placed_from(const LodItem *item, const PatchPlace *place, const Ground *ground) {
     uint32_t state = place->page_uploaded ? STATE_UPLOADED : item->state;
     return (Placed){.place = *place,
                     .index_count = (uint32_t)item->index_count,
@@ -134,6 +136,7 @@ static Placed placed_from(const LodItem *item, const PatchPlace *place) {
                     .col0 = item->page->col0,
                     .row0 = item->page->row0,
                     .info = (uint32_t)item->level | state << 8 | (uint32_t)item->partition << 16,
+                    .wet = ground_is_wet(ground, item->page->col0, item->page->row0, place->cols, place->rows),
                     .centre_ecef = item->centre_ecef,
                     .radius_m = item->radius_m};
 }
@@ -158,7 +161,7 @@ static void warn_over_budget(TerrainPass *pass, const PatchCache *cache, const L
     pass->over_budget = true;
 }
 
-static Result place_cut(TerrainPass *pass, PatchCache *cache, const LodCut *cut) {
+static Result place_cut(TerrainPass *pass, PatchCache *cache, const Ground *ground, const LodCut *cut) {
     int32_t count = cut->item_count;
     Result result = patch_cache_place(cache, cut->items, count, pass->places);
     if (result == RESULT_BUDGET) {
@@ -174,27 +177,30 @@ static Result place_cut(TerrainPass *pass, PatchCache *cache, const LodCut *cut)
     }
     pass->placed_count = result == RESULT_OK ? count : 0;
     for (int32_t i = 0; i < pass->placed_count; i++)
-        pass->placed[i] = placed_from(&cut->items[i], &pass->places[i]);
+        pass->placed[i] = placed_from(&cut->items[i], &pass->places[i], ground);
     return result;
 }
 
-static int compare_distance(const void *a, const void *b) {
+static int compare_visible(const void *a, const void *b) {
     const Visible *left = a, *right = b;
+    if (left->wet != right->wet)
+        return left->wet ? 1 : -1;
     if (left->distance_m != right->distance_m)
         return left->distance_m < right->distance_m ? -1 : 1;
     return left->index - right->index;
 }
 
 static void find_visible(TerrainPass *pass, const Frame *frame) {
-    pass->visible_count = 0;
+    pass->visible_count = pass->dry_count = 0;
     for (int32_t i = 0; i < pass->placed_count; i++) {
         const Placed *placed = &pass->placed[i];
         if (placed->index_count == 0 || !frame_sees_sphere(frame, placed->centre_ecef, placed->radius_m))
             continue;
         double distance = vec3d_distance(placed->centre_ecef, frame->eye_ecef) - placed->radius_m;
-        pass->visible[pass->visible_count++] = (Visible){distance, i};
+        pass->visible[pass->visible_count++] = (Visible){placed->wet, distance, i};
+        pass->dry_count += !placed->wet;
     }
-    qsort(pass->visible, (size_t)pass->visible_count, sizeof *pass->visible, compare_distance);
+    qsort(pass->visible, (size_t)pass->visible_count, sizeof *pass->visible, compare_visible);
 }
 
 // Whole repeats are dropped here, in double, so that what remains is exact to a millimetre.
@@ -239,18 +245,21 @@ static void upload_lists(const TerrainPass *pass) {
                       GL_STREAM_DRAW);
 }
 
-Result terrain_pass_prepare(TerrainPass *pass, PatchCache *cache, const Frame *frame, const LodCut *cut) {
+Result terrain_pass_prepare(TerrainPass *pass, PatchCache *cache, const Frame *frame, const Ground *ground,
+                            const LodCut *cut) {
     Result result = reserve(pass, cut->item_count);
     if (result == RESULT_OK)
-        result = place_cut(pass, cache, cut);
+        result = place_cut(pass, cache, ground, cut);
     find_visible(pass, frame);
     fill_lists(pass, frame);
     upload_lists(pass);
     return result;
 }
 
-void terrain_pass_draw(TerrainPass *pass, const PatchCache *cache) {
-    if (!pass->visible_count)
+void terrain_pass_draw(TerrainPass *pass, const PatchCache *cache, TerrainPart part) {
+    int32_t begin = part == TERRAIN_WET ? pass->dry_count : 0;
+    int32_t end = part == TERRAIN_DRY ? pass->dry_count : pass->visible_count;
+    if (begin == end)
         return;
     GLuint buffer = patch_cache_buffer(cache);
     glVertexArrayVertexBuffer(pass->vertex_array, BINDING_VERTICES, buffer, 0, sizeof(LodVertex));
@@ -258,12 +267,13 @@ void terrain_pass_draw(TerrainPass *pass, const PatchCache *cache) {
     glVertexArrayElementBuffer(pass->vertex_array, buffer);
     glBindVertexArray(pass->vertex_array);
     glBindBuffer(GL_DRAW_INDIRECT_BUFFER, pass->commands_buffer);
-    glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT, NULL, pass->visible_count, 0);
+    glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT, (const void *)((size_t)begin * sizeof(DrawCommand)),
+                                end - begin, 0);
     glBindVertexArray(0);
 }
 
 void terrain_pass_count(const TerrainPass *pass, RenderStats *stats) {
-    stats->draws = pass->visible_count ? 1 : 0;
+    stats->draws = (pass->dry_count > 0) + (pass->visible_count > pass->dry_count);
     stats->patches_drawn = pass->visible_count;
     stats->triangles_drawn = pass->triangles;
 }

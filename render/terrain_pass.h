@@ -3,6 +3,7 @@
 // A TerrainPass owns its programs and buffers; thread of the context.
 #pragma once
 #include "render/frame.h"
+#include "render/ground.h"
 #include "render/patch_cache.h"
 
 typedef struct TerrainPass TerrainPass;
@@ -13,7 +14,14 @@ void terrain_pass_destroy(TerrainPass **pass);
 
 // Brings the packet's patches into the cache and lists those that can be seen, nearest first. When the cut does not
 // fit into the cache, the last one that did is listed, and a warning says so once. MEMORY: nothing is listed.
-MUST_USE Result terrain_pass_prepare(TerrainPass *pass, PatchCache *cache, const Frame *frame, const LodCut *cut);
-// Draws the list, with `program` bound by the caller.
-void terrain_pass_draw(TerrainPass *pass, const PatchCache *cache);
+MUST_USE Result terrain_pass_prepare(TerrainPass *pass, PatchCache *cache, const Frame *frame, const Ground *ground,
+                                     const LodCut *cut);
+
+typedef enum TerrainPart {
+    TERRAIN_DRY, // patches without water: a program that knows none is enough
+    TERRAIN_WET, // the others
+    TERRAIN_ALL,
+} TerrainPart;
+// Draws a part of the list with the program that is bound.
+void terrain_pass_draw(TerrainPass *pass, const PatchCache *cache, TerrainPart part);
 void terrain_pass_count(const TerrainPass *pass, RenderStats *stats);

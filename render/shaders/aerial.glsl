@@ -18,6 +18,9 @@ float mean_density(float a, float b, float drop_km, float fall_km) {
     return abs(drop_km) > 0.02 * fall_km ? (a - b) * fall_km / drop_km : 0.5 * (a + b);
 }
 
+// Eyes adapt to haze and cameras are filtered: near land is shown somewhat clearer than the air leaves it.
+const float CLEARER = 0.65;
+
 struct Aerial {
     vec3 passes; // share of the point's light that arrives
     vec3 light;  // added by the air
@@ -25,7 +28,7 @@ struct Aerial {
 
 // To a point `metres` away, h_km high.
 Aerial aerial_to(vec3 direction, float metres, float h_km) {
-    float drop_km = h_km - frame.eye_up.w, km = metres * 1e-3;
+    float drop_km = h_km - frame.eye_up.w, km = metres * 1e-3 * CLEARER;
     float rayleigh = mean_density(frame.air.x, exp(-h_km / RAYLEIGH_FALL_KM), drop_km, RAYLEIGH_FALL_KM);
     float haze = mean_density(frame.air.y, exp(-h_km / MIE_FALL_KM), drop_km, MIE_FALL_KM);
     Aerial aerial;

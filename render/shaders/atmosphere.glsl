@@ -9,8 +9,8 @@ const float AIR_TOP_KM = 100.0;
 
 const vec3 RAYLEIGH = vec3(5.802e-3, 13.558e-3, 33.1e-3); // scattered, per km at sea level
 const float RAYLEIGH_FALL_KM = 8.0;                       // height over which it falls to 1 / e
-const float MIE = 7.0e-3;                                 // a clear day: some 100 km of sight
-const float MIE_ABSORBED = 0.9e-3;
+const float MIE = 5.0e-3;                                 // a clear day: some 100 km of sight
+const float MIE_ABSORBED = 0.6e-3;
 const float MIE_FALL_KM = 1.3;
 const float MIE_FORWARD = 0.76;
 const vec3 OZONE = vec3(0.650e-3, 1.881e-3, 0.085e-3); // absorbed, per km at 25 km

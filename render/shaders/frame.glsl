@@ -10,7 +10,8 @@ layout(std140, binding = 0) uniform FrameBlock {
     vec4 sun;           // towards the sun, ECEF; w: exposure
     vec4 eye_up;        // up at the eye, round space; w: its height, km
     vec4 sun_side;      // horizontal, towards the sun, round space; w: cosine of its zenith angle
-    vec4 air;           // density of air and haze at the eye; z: cosine of the horizon's zenith angle
+    vec4 air;           // density of air and haze at the eye; z: cosine of the horizon's zenith angle; w: height of
+                        // the globe around the data, km
     vec4 light_sun[2];  // irradiance at sea level and at 4 km
     vec4 light_sky[2];
     ivec4 mode;         // colouring; 1: flat colours

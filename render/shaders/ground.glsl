@@ -18,3 +18,8 @@ vec3 decode_normal(vec2 bytes) {
     vec2 slope = bytes * (255.0 / 127.0) - 128.0 / 127.0;
     return vec3(slope, sqrt(max(1.0 - dot(slope, slope), 0.01)));
 }
+
+// From the coarse noise to finer ones, turned against it so that their repeats don't line up. Whole numbers: where the
+// coarse one repeats, so do they.
+const mat2 NOISE_MIDDLE = mat2(13.0, 5.0, -5.0, 13.0);      // 2.4 km a repeat
+const mat2 NOISE_FINE = mat2(181.0, -108.0, 108.0, 181.0);  // 155 m

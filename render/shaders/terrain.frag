@@ -1,7 +1,7 @@
 #version 450 core
 // Terrain patches: the land and its water under sun and sky, through the air. In: see terrain.vert.
 // Out: the picture as displayed. Bindings: blocks 0, 1; textures 0-4 (ground.glsl), 8-9 (aerial.glsl), 10 the drape.
-// Defines: HOLES (voids are not drawn), DRAPE (an image lies on the land).
+// Defines: HOLES (voids are not drawn), DRAPE (an image lies on the land), WATER (there may be some).
 #include "frame.glsl"
 #include "ground.glsl"
 #include "aerial.glsl"
@@ -16,6 +16,9 @@ layout(location = 1) in vec4 at_ground;
 layout(location = 2) flat in uint info;
 
 layout(location = 0) out vec4 colour;
+
+// Screens show less range than eyes see; without help, slopes in the shade would be black.
+const float SHADOW_FILL = 1.7;
 
 struct Local { // unit vectors in ECEF
     vec3 east, north, up;
@@ -51,13 +54,18 @@ void main() {
     vec4 cell = texture(surface_map, uv);
     float h_m = texture(height_map, uv).r * ground.height.x + ground.height.y;
     vec4 coarse = texture(noise_map, at_ground.zw);
-    vec4 middle = texture(noise_map, at_ground.zw * 13.0);
-    vec4 fine = texture(noise_map, at_ground.zw * 211.0);
+    vec4 middle = texture(noise_map, NOISE_MIDDLE * at_ground.zw);
+    vec4 fine = texture(noise_map, NOISE_FINE * at_ground.zw);
+
+    vec3 round_m = at_m * ROUND;
+    float metres = length(round_m);
+    float spread = 1.0 + 0.5 * metres / (frame.ray_right.w * ground.height.z);
 
     Local local = local_frame(at_m);
     vec3 sun = to_local(local, frame.sun.xyz);
     vec3 normal = decode_normal(cell.rg);
-    Land land = land_at(h_m, 1.0 - normal.z, normal.y, cell.b, land_lines_m(local.up.z), coarse, middle, fine);
+    Land land = land_at(h_m, 1.0 - normal.z, normal.y, cell.b, land_lines_m(local.up.z), coarse, middle, fine,
+                        spread);
 #ifdef DRAPE
     land.albedo = drape_over(land.albedo, at_ground.xy, middle.r + fine.r - 1.0);
 #endif
@@ -69,7 +77,7 @@ void main() {
 
     float high = clamp(h_m / 4000.0, 0.0, 1.5);
     vec3 sun_light = mix(frame.light_sun[0].rgb, frame.light_sun[1].rgb, high);
-    vec3 sky_light = mix(frame.light_sky[0].rgb, frame.light_sky[1].rgb, high);
+    vec3 sky_light = mix(frame.light_sky[0].rgb, frame.light_sky[1].rgb, high) * SHADOW_FILL;
     float lit = sun_visible(uv, sun) * smoothstep(-0.03, 0.03, sun.z);
     float open_sky = cell.b * (0.5 + 0.5 * lit_normal.z);
     vec3 direct = sun_light * max(dot(lit_normal, sun), 0.0) * lit;
@@ -77,11 +85,10 @@ void main() {
     vec3 bounced = land.albedo * (sun_light * max(sun.z, 0.0) + sky_light) * (1.0 - 0.8 * cell.b) * 0.5;
     vec3 radiance = land.albedo / PI * (direct + sky_light * open_sky + bounced);
 
-    vec3 round_m = at_m * ROUND;
-    float metres = length(round_m);
     vec3 direction = round_m / metres;
-    float water = smoothstep(0.40, 0.60, cell.a);
-    if (water > 0.0 && frame.mode.x == COLOUR_LAND) {
+#ifdef WATER
+    float water = frame.mode.x == COLOUR_LAND ? smoothstep(0.40, 0.60, cell.a) : 0.0;
+    if (water > 0.0) {
         vec3 waves = normalize(vec3((middle.gb - 0.5) * 0.05 + (fine.gb - 0.5) * 0.07, 1.0));
         vec3 to_eye = -to_local(local, normalize(at_m));
         vec3 up_direction = reflect(direction, normalize(local.up * ROUND));
@@ -91,6 +98,7 @@ void main() {
         vec3 body = deep * (sun_light * max(sun.z, 0.0) * lit + sky_light) / PI;
         radiance = mix(radiance, water_light(waves, to_eye, sun, body, mirrored, sun_light * lit, 0.6), water);
     }
+#endif
     Aerial aerial = aerial_to(direction, metres, height_km(round_m));
     colour = display(radiance * aerial.passes + aerial.light);
 }
