@@ -58,7 +58,7 @@ static void fill_block(Ground *ground, const GroundSurface *surface) {
     block->texel[1] = 1.0f / (float)(source->height * source->step);
     block->texel[2] = 0.5f / (float)source->width;
     block->texel[3] = 0.5f / (float)source->height;
-    block->height[0] = source->max_m - source->min_m;
+    block->height[0] = fmaxf(source->max_m - source->min_m, 1.0f);
     block->height[1] = source->min_m;
     block->height[2] = (float)sqrt(col_m * row_m);
     block->noise[0] = (float)(col_m / source->step / GROUND_NOISE_M);

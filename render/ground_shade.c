@@ -62,8 +62,9 @@ static float add_to_hull(Point *stack, int *count, Point point) {
 }
 
 static uint8_t byte_from_tangent(float tangent) {
-    float share = fminf(fmaxf(tangent, 0.0f) / (float)GROUND_SHADE_TAN_MAX, 1.0f);
-    return (uint8_t)lrintf(255.0f * sqrtf(share));
+    float share = tangent / (float)GROUND_SHADE_TAN_MAX;
+    share = share < 0.0f ? 0.0f : share > 1.0f ? 1.0f : share;
+    return (uint8_t)(255.0f * sqrtf(share) + 0.5f);
 }
 
 static void sweep_lines(void *user, int64_t begin, int64_t end, int worker) {

@@ -8,10 +8,11 @@
 #define ROWS_A_PIECE 32
 #define LEVEL_M 0.01f // neighbours closer than that are level: less than any file's step, more than the geoid's slope
 
-// Means of 2^level x 2^level cells, level 1 up, in the unit of GroundSurface.heights.
+// Means of (2 << level) x (2 << level) cells, metres above the source's lowest point; then, coarsest first, each level's
+// sum of its own and all coarser means, weighted.
 #define PYRAMID_LEVELS 7
 typedef struct Pyramid {
-    uint16_t *levels[PYRAMID_LEVELS];
+    float *levels[PYRAMID_LEVELS];
     int width[PYRAMID_LEVELS], height[PYRAMID_LEVELS];
 } Pyramid;
 
@@ -20,17 +21,21 @@ typedef struct Build {
     GroundSurface *surface;
     float *rows; // [workers][3][width]
     Pyramid pyramid;
-    int level; // of the pyramid, being made
+    int level;   // of the pyramid, being made
 } Build;
 
 static size_t cell_index(const GroundSurface *surface, int col, int row) {
     return (size_t)row * (size_t)surface->width + (size_t)col;
 }
 
+static float metres_a_step(const GroundSource *source) { // of GroundSurface.heights
+    return fmaxf(source->max_m - source->min_m, 1.0f) / 65535.0f;
+}
+
 // --- slopes, heights and level cells, from three rows at a time
 
-static uint8_t byte_from_signed(float value) {
-    return (uint8_t)lrintf(128.0f + 127.0f * fminf(fmaxf(value, -1.0f), 1.0f));
+static uint8_t byte_from_signed(float value) { // -1 .. 1
+    return (uint8_t)(128.5f + 127.0f * value);
 }
 
 static void put_normal(uint8_t *cell, const GroundJacobian *j, float per_col, float per_row) {
@@ -43,19 +48,18 @@ static void put_normal(uint8_t *cell, const GroundJacobian *j, float per_col, fl
 }
 
 static bool is_level(const float *const rows[3], int left, int col, int right) {
-    float h = rows[1][col], worst = 0.0f;
-    for (int i = 0; i < 3; i++) {
-        worst = fmaxf(worst, fabsf(rows[i][left] - h));
-        worst = fmaxf(worst, fabsf(rows[i][col] - h));
-        worst = fmaxf(worst, fabsf(rows[i][right] - h));
-    }
-    return worst < LEVEL_M;
+    float h = rows[1][col];
+    for (int i = 0; i < 3; i++)
+        if (fabsf(rows[i][left] - h) > LEVEL_M || fabsf(rows[i][col] - h) > LEVEL_M ||
+            fabsf(rows[i][right] - h) > LEVEL_M)
+            return false;
+    return true;
 }
 
 static void build_row(const Build *build, int row, const float *const rows[3]) {
     GroundSurface *surface = build->surface;
     const GroundSource *source = build->source;
-    float scale = 65535.0f / fmaxf(source->max_m - source->min_m, 1.0f);
+    float scale = 1.0f / metres_a_step(source);
     int down = (row > 0) + (row < surface->height - 1); // rows between the outer two
     for (int col = 0; col < surface->width; col++) {
         int left = col > 0 ? col - 1 : 0, right = col < surface->width - 1 ? col + 1 : col;
@@ -65,7 +69,8 @@ static void build_row(const Build *build, int row, const float *const rows[3]) {
                    (rows[2][col] - rows[0][col]) / (float)down);
         cell[3] = is_level(rows, left, col, right);
         float height = (rows[1][col] - source->min_m) * scale;
-        surface->heights[cell_index(surface, col, row)] = (uint16_t)lrintf(fminf(fmaxf(height, 0.0f), 65535.0f));
+        height = height < 0.0f ? 0.0f : height > 65535.0f ? 65535.0f : height;
+        surface->heights[cell_index(surface, col, row)] = (uint16_t)(height + 0.5f);
     }
 }
 
@@ -88,80 +93,117 @@ static void build_rows(void *user, int64_t begin, int64_t end, int worker) {
 
 // --- open sky: how far a cell lies below the mean of its surroundings, near and far
 
+// Two rows of heights to one row of means.
+static void reduce_first(const Build *build, int64_t y) {
+    const GroundSurface *surface = build->surface;
+    int64_t below = 2 * y + 1 < surface->height ? 2 * y + 1 : 2 * y;
+    const uint16_t *upper = surface->heights + 2 * y * surface->width, *lower = surface->heights + below * surface->width;
+    float *out = build->pyramid.levels[0] + y * build->pyramid.width[0], metres = 0.25f * metres_a_step(build->source);
+    for (int x = 0; x < surface->width / 2; x++)
+        out[x] = metres * (float)(upper[2 * x] + upper[2 * x + 1] + lower[2 * x] + lower[2 * x + 1]);
+    if (surface->width & 1)
+        out[surface->width / 2] = metres * (float)(2 * (upper[surface->width - 1] + lower[surface->width - 1]));
+}
+
+static void reduce_next(const Build *build, int64_t y) {
+    const Pyramid *pyramid = &build->pyramid;
+    int level = build->level, width = pyramid->width[level - 1];
+    int64_t below = 2 * y + 1 < pyramid->height[level - 1] ? 2 * y + 1 : 2 * y;
+    const float *upper = pyramid->levels[level - 1] + 2 * y * width, *lower = pyramid->levels[level - 1] + below * width;
+    float *out = pyramid->levels[level] + y * pyramid->width[level];
+    for (int x = 0; x < width / 2; x++)
+        out[x] = 0.25f * (upper[2 * x] + upper[2 * x + 1] + lower[2 * x] + lower[2 * x + 1]);
+    if (width & 1)
+        out[width / 2] = 0.5f * (upper[width - 1] + lower[width - 1]);
+}
+
 static void reduce_rows(void *user, int64_t begin, int64_t end, int worker) {
     (void)worker;
     const Build *build = user;
-    const Pyramid *pyramid = &build->pyramid;
-    int level = build->level;
-    const uint16_t *from = level ? pyramid->levels[level - 1] : build->surface->heights;
-    int from_width = level ? pyramid->width[level - 1] : build->surface->width;
-    int from_height = level ? pyramid->height[level - 1] : build->surface->height;
     for (int64_t y = begin; y < end; y++) {
-        int64_t below = 2 * y + 1 < from_height ? 2 * y + 1 : 2 * y;
-        const uint16_t *upper = from + 2 * y * from_width, *lower = from + below * from_width;
-        uint16_t *out = pyramid->levels[level] + y * pyramid->width[level];
-        for (int x = 0; x < pyramid->width[level]; x++) {
-            int a = 2 * x, b = 2 * x + 1 < from_width ? 2 * x + 1 : 2 * x;
-            out[x] = (uint16_t)((upper[a] + upper[b] + lower[a] + lower[b] + 2) / 4);
-        }
+        if (build->level == 0)
+            reduce_first(build, y);
+        else
+            reduce_next(build, y);
     }
-}
-
-static Result build_pyramid(Build *build, Jobs *jobs) {
-    Pyramid *pyramid = &build->pyramid;
-    int width = build->surface->width, height = build->surface->height;
-    for (int level = 0; level < PYRAMID_LEVELS; level++) {
-        width = (width + 1) / 2;
-        height = (height + 1) / 2;
-        pyramid->width[level] = width;
-        pyramid->height[level] = height;
-        pyramid->levels[level] = malloc((size_t)width * (size_t)height * sizeof(uint16_t));
-        if (!pyramid->levels[level])
-            return RESULT_MEMORY;
-        build->level = level;
-        jobs_run(jobs, height, ROWS_A_PIECE, reduce_rows, build);
-    }
-    return RESULT_OK;
 }
 
 static int clamp_int(int value, int low, int high) {
     return value < low ? low : value > high ? high : value;
 }
 
-// Bilinear between the centres of a level's cells.
-static float pyramid_sample(const Pyramid *pyramid, int level, float col, float row) {
-    int width = pyramid->width[level], height = pyramid->height[level];
-    float scale = 1.0f / (float)(2 << level), x = (col + 0.5f) * scale - 0.5f, y = (row + 0.5f) * scale - 0.5f;
-    int x0 = (int)floorf(x), y0 = (int)floorf(y);
-    float fx = x - (float)x0, fy = y - (float)y0;
-    int xa = clamp_int(x0, 0, width - 1), xb = clamp_int(x0 + 1, 0, width - 1);
-    const uint16_t *upper = pyramid->levels[level] + (size_t)clamp_int(y0, 0, height - 1) * (size_t)width;
-    const uint16_t *lower = pyramid->levels[level] + (size_t)clamp_int(y0 + 1, 0, height - 1) * (size_t)width;
-    float high = (float)upper[xa] + ((float)upper[xb] - (float)upper[xa]) * fx;
-    float low = (float)lower[xa] + ((float)lower[xb] - (float)lower[xa]) * fx;
-    return high + (low - high) * fy;
+// A level at a place of the next finer grid: bilinear between the centres of its cells, so 3/4 the own and 1/4 the
+// neighbour's in each direction.
+static float sample_finer(const float *own, const float *beside, int width, int x) {
+    int near = x / 2, far = clamp_int(x & 1 ? near + 1 : near - 1, 0, width - 1);
+    return 0.75f * (0.75f * own[near] + 0.25f * own[far]) + 0.25f * (0.75f * beside[near] + 0.25f * beside[far]);
+}
+
+// The rows of level `level` that sample_finer needs for row y of the next finer grid.
+static const float *level_row(const Pyramid *pyramid, int level, int64_t y, bool beside) {
+    int near = (int)(y / 2), row = beside ? (y & 1 ? near + 1 : near - 1) : near;
+    return pyramid->levels[level] + (size_t)clamp_int(row, 0, pyramid->height[level] - 1) * (size_t)pyramid->width[level];
+}
+
+static float level_weight(int level) { // a hollow counts by its depth over its width
+    return 1.0f / (float)(2 << level);
+}
+
+static void sum_rows(void *user, int64_t begin, int64_t end, int worker) {
+    (void)worker;
+    const Build *build = user;
+    const Pyramid *pyramid = &build->pyramid;
+    int level = build->level, width = pyramid->width[level];
+    for (int64_t y = begin; y < end; y++) {
+        const float *own = level_row(pyramid, level + 1, y, false), *beside = level_row(pyramid, level + 1, y, true);
+        float *out = pyramid->levels[level] + y * width;
+        for (int x = 0; x < width; x++)
+            out[x] = level_weight(level) * out[x] + sample_finer(own, beside, pyramid->width[level + 1], x);
+    }
+}
+
+static Result build_pyramid(Build *build, Jobs *jobs) {
+    Pyramid *pyramid = &build->pyramid;
+    int width = build->surface->width, height = build->surface->height;
+    for (build->level = 0; build->level < PYRAMID_LEVELS; build->level++) {
+        int level = build->level;
+        pyramid->width[level] = width = (width + 1) / 2;
+        pyramid->height[level] = height = (height + 1) / 2;
+        pyramid->levels[level] = malloc((size_t)width * (size_t)height * sizeof(float));
+        if (!pyramid->levels[level])
+            return RESULT_MEMORY;
+        jobs_run(jobs, height, ROWS_A_PIECE, reduce_rows, build);
+    }
+    int coarsest = PYRAMID_LEVELS - 1;
+    for (int i = 0; i < pyramid->width[coarsest] * pyramid->height[coarsest]; i++)
+        pyramid->levels[coarsest][i] *= level_weight(coarsest);
+    for (build->level = coarsest - 1; build->level >= 0; build->level--)
+        jobs_run(jobs, pyramid->height[build->level], ROWS_A_PIECE, sum_rows, build);
+    return RESULT_OK;
 }
 
 #define SKY_LEVEL 0.72f // open sky of a plain, leaving room for ridges to be brighter
 #define SKY_GAIN 0.85f
+#define SKY_MIN 0.15f
 
 static void open_sky_rows(void *user, int64_t begin, int64_t end, int worker) {
     (void)worker;
     const Build *build = user;
-    const GroundSource *source = build->source;
+    const Pyramid *pyramid = &build->pyramid;
     GroundSurface *surface = build->surface;
-    float metres = (source->max_m - source->min_m) / 65535.0f;
-    for (int row = (int)begin; row < (int)end; row++) {
-        for (int col = 0; col < surface->width; col++) {
-            GroundJacobian j = ground_source_jacobian(source, col, row);
-            size_t index = cell_index(surface, col, row);
-            float cell_m = sqrtf(fabsf(j.east_col * j.north_row)), hollow = 0.0f;
-            for (int level = 1; level < PYRAMID_LEVELS; level++) {
-                float mean = pyramid_sample(&build->pyramid, level, (float)col, (float)row);
-                hollow += (mean - (float)surface->heights[index]) * metres / (cell_m * (float)(2 << level));
-            }
-            float sky = fminf(fmaxf(SKY_LEVEL - SKY_GAIN * hollow, 0.15f), 1.0f);
-            surface->cells[index * 4 + 2] = (uint8_t)lrintf(255.0f * sky);
+    float metres = metres_a_step(build->source), weights = 0.0f;
+    for (int level = 0; level < PYRAMID_LEVELS; level++)
+        weights += level_weight(level);
+    for (int64_t y = begin; y < end; y++) {
+        const float *own = level_row(pyramid, 0, y, false), *beside = level_row(pyramid, 0, y, true);
+        GroundJacobian j = ground_source_jacobian(build->source, surface->width / 2, (int)y);
+        float gain = SKY_GAIN / sqrtf(fabsf(j.east_col * j.north_row));
+        for (int x = 0; x < surface->width; x++) {
+            size_t index = cell_index(surface, x, (int)y);
+            float h_m = metres * (float)surface->heights[index];
+            float sky = SKY_LEVEL - gain * (sample_finer(own, beside, pyramid->width[0], x) - weights * h_m);
+            sky = sky < SKY_MIN ? SKY_MIN : sky > 1.0f ? 1.0f : sky;
+            surface->cells[index * 4 + 2] = (uint8_t)(255.0f * sky + 0.5f);
         }
     }
 }
