@@ -14,9 +14,10 @@ endif()
 add_custom_command(
   OUTPUT ${manual}
   COMMAND sh ${PROJECT_SOURCE_DIR}/tools/make_manual $<TARGET_FILE:overfly> ${data}/man/overfly.1.in
-          ${PROJECT_VERSION} > ${manual}.new
+          ${PROJECT_VERSION} ${PROJECT_SOURCE_DIR}/input/action.h > ${manual}.new
   COMMAND ${CMAKE_COMMAND} -E rename ${manual}.new ${manual}
   DEPENDS overfly ${data}/man/overfly.1.in ${PROJECT_SOURCE_DIR}/tools/make_manual
+          ${PROJECT_SOURCE_DIR}/input/action.h
   COMMENT "Writing the man page"
   VERBATIM)
 add_custom_target(program ALL DEPENDS overfly ${manual})
