@@ -31,11 +31,13 @@ static Result print_json(const Info *info) {
     json_add_bool(json, "georeferenced", dem->georeferenced);
     json_add_numbers(json, "spacing_m", info->spacing_m, 2);
     json_add_numbers(json, "step", (double[2]){dem->georef.dx, -dem->georef.dy}, 2);
+    json_add_numbers(json, "first_sample", (double[2]){dem->georef.x0, dem->georef.y0}, 2);
     Json *bounds = json_add_object(json, "bounds");
     json_add_number(bounds, "west", info->bounds.west_deg);
     json_add_number(bounds, "south", info->bounds.south_deg);
     json_add_number(bounds, "east", info->bounds.east_deg);
     json_add_number(bounds, "north", info->bounds.north_deg);
+    json_add_text(json, "bounds_of", "sample centres");
     json_add_text(json, "datum", datum_name(dem));
     json_add_bool(json, "datum_assumed", dem->datum_assumed);
     json_add_number(json, "min_m", (double)dem->min_m);
