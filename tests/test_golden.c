@@ -73,7 +73,7 @@ static bool run(char *const *arguments) {
 }
 
 static bool take_picture(const View *view, const char *threads, const char *path) {
-    const char *arguments[ARGUMENTS_MAX] = {overfly, "snapshot", "-q", "--size", "320x200", "-j", threads, "-o", path};
+    const char *arguments[ARGUMENTS_MAX] = {overfly, "snapshot", "-q", "--size", "256x160", "-j", threads, "-o", path};
     int count = 9;
     for (size_t i = 0; i < sizeof view->arguments / sizeof view->arguments[0] && view->arguments[i]; i++)
         arguments[count++] = view->arguments[i];
