@@ -115,3 +115,15 @@ Controls demo_fly(Demo *demo, const Flight *flight) {
 bool demo_is_over(const Demo *demo) {
     return demo->next >= demo->count;
 }
+
+double demo_duration_s(const Demo *demo, double lat_rad, double lon_rad) {
+    double sum_s = 0.0, distance_m, bearing_rad;
+    for (int i = 0; i < demo->count; i++) {
+        const Waypoint *to = &demo->waypoints[i];
+        autopilot_course(lat_rad, lon_rad, to, &distance_m, &bearing_rad);
+        sum_s += distance_m / to->speed_m_s;
+        lat_rad = to->lat_rad;
+        lon_rad = to->lon_rad;
+    }
+    return sum_s;
+}

@@ -27,3 +27,5 @@ void demo_make_round(const Viewpoint *view, const Geoid *geoid, double distance_
 // The controls for this moment; goes on to the next waypoint when one is reached.
 Controls demo_fly(Demo *demo, const Flight *flight);
 bool demo_is_over(const Demo *demo);
+// About how long the whole demo takes from a place.
+double demo_duration_s(const Demo *demo, double lat_rad, double lon_rad);

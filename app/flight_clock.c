@@ -2,8 +2,8 @@
 
 #include <math.h>
 
-FlightClock flight_clock_create(void) {
-    return (FlightClock){.rate = FLIGHT_CLOCK_NORMAL};
+FlightClock flight_clock_create(int rate) {
+    return (FlightClock){.rate = rate};
 }
 
 double flight_clock_rate(const FlightClock *clock) {

@@ -14,7 +14,8 @@ typedef struct FlightClock {
     bool paused;
 } FlightClock;
 
-FlightClock flight_clock_create(void);
+// `rate`: an index, 0 .. FLIGHT_CLOCK_RATES - 1.
+FlightClock flight_clock_create(int rate);
 double flight_clock_rate(const FlightClock *clock); // 0.25 .. 16
 void flight_clock_change_rate(FlightClock *clock, int by);
 // How many steps of `step_s` to take now that `passed_s` went by; at most rate * FLIGHT_CLOCK_SPIKE_S / step_s + 1.

@@ -36,16 +36,24 @@ static bool is_over(const FlightLoop *loop, int64_t ordered) {
            (loop->window && context_should_close(loop->context)) || signals_leave_wanted();
 }
 
+// The frames that the pictures are spread over.
+static int64_t expected_frames(const FlightLoop *loop) {
+    const FlightSession *session = loop->session;
+    if (loop->frames > 0)
+        return loop->frames;
+    if (session->demo.count == 0)
+        return (int64_t)loop->picture_count * PICTURE_SPACING;
+    FlightInstruments now = flight_instruments(&session->flight);
+    double duration_s = demo_duration_s(&session->demo, now.lat_rad, now.lon_rad);
+    return (int64_t)(duration_s / (FIXED_FRAME_S * flight_clock_rate(&session->settings.clock))) + 1;
+}
+
 // Whether frame `index` of the flight is one of the evenly spread pictures, and which: from 1.
 static int picture_number(const FlightLoop *loop, int64_t index) {
-    if (!loop->pictures)
+    if (!loop->pictures || index >= loop->picture_frames)
         return 0;
-    if (loop->frames == 0)
-        return index % PICTURE_SPACING == 0 && index / PICTURE_SPACING < loop->picture_count
-                   ? (int)(index / PICTURE_SPACING) + 1
-                   : 0;
-    int64_t before = index * loop->picture_count / loop->frames,
-            after = (index + 1) * loop->picture_count / loop->frames;
+    int64_t frames = loop->picture_frames, count = loop->picture_count;
+    int64_t before = (index * count + frames - 1) / frames, after = ((index + 1) * count + frames - 1) / frames;
     return after > before ? (int)after : 0;
 }
 
@@ -117,6 +125,7 @@ static Result fly_frames(FlightLoop *loop) {
 Result flight_loop_run(FlightLoop *loop) {
     sigset_t before;
     signals_hold(&before);
+    loop->picture_frames = expected_frames(loop);
     if (loop->window) {
         context_on_key(loop->context, on_key, loop);
         context_on_resize(loop->context, on_resize, loop);

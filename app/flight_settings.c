@@ -22,7 +22,7 @@ FlightSettings flight_settings_create(const Options *options) {
                             .magenta = options_flag(options, OPTION_MAGENTA),
                             .show_flight = hud,
                             .show_numbers = hud,
-                            .clock = flight_clock_create()};
+                            .clock = flight_clock_create(options_choice(options, OPTION_TIME_RATE))};
 }
 
 const char *flight_colouring_name(RenderColouring colouring) {

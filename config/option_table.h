@@ -12,6 +12,7 @@
 #define CHOICES_ERROR "midpoint|total"
 #define CHOICES_PATCH_SIDE "3|5|9|17|33|65|129"
 #define CHOICES_METHOD "hybrid|brute"
+#define CHOICES_TIME_RATE "1/4|1/2|1|2|4|8|16"
 #define CHOICES_COLOUR "land|level|cache|partition"
 
 // clang-format off
@@ -71,6 +72,8 @@
     X(LOCKSTEP, "lockstep", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY,                                           \
       "stages one after another, 1/60 s a frame: the same pictures each time")                                         \
     X(DEMO, "demo", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY, "fly the scene's demonstration")                  \
+    X(TIME_RATE, "time-rate", 0, CHOICE, NULL, "1", 0, 0, CHOICES_TIME_RATE, COMMAND_FLY,                              \
+      "how fast time runs at the start")                                                                               \
     X(SPEED, "speed", 0, SPEED, "SPEED", NULL, 0, 20000, NULL, COMMAND_FLY | COMMAND_BENCH,                            \
       "at the start (80m/s, 120kt); measuring: 100m/s if not given")                                                   \
     X(HEIGHT, "height", 0, LENGTH, "LENGTH", "500", 1, 1e7, NULL, COMMAND_BENCH, "of the flight above the ground")     \

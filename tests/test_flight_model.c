@@ -282,7 +282,7 @@ static void the_same_steps_give_the_same_bits(void **state) {
 
 static void time_comes_in_whole_steps_and_spikes_are_cut(void **state) {
     (void)state;
-    FlightClock clock = flight_clock_create();
+    FlightClock clock = flight_clock_create(FLIGHT_CLOCK_NORMAL);
     int64_t steps = 0;
     for (int i = 0; i < 3600; i++)
         steps += flight_clock_steps(&clock, 1.0 / 60.0, FLIGHT_STEP_S);
