@@ -112,8 +112,9 @@ static void describe_older(EglContext *self) {
     if (older == EGL_NO_CONTEXT)
         return;
     if (eglMakeCurrent(self->display, EGL_NO_SURFACE, EGL_NO_SURFACE, older))
-        snprintf(self->trouble, sizeof self->trouble, "found %s, OpenGL %s", (const char *)glGetString(GL_RENDERER),
-                 (const char *)glGetString(GL_VERSION));
+        snprintf(self->trouble, sizeof self->trouble, "found %s, OpenGL %s, %s clip control",
+                 (const char *)glGetString(GL_RENDERER), (const char *)glGetString(GL_VERSION),
+                 epoxy_has_gl_extension("GL_ARB_clip_control") ? "with" : "without");
     eglMakeCurrent(self->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     eglDestroyContext(self->display, older);
 }

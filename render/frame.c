@@ -101,10 +101,6 @@ Frame frame_make(const RenderCamera *camera, int width, int height) {
     frame.block.eye_rest_m[0] = (float)rest.x;
     frame.block.eye_rest_m[1] = (float)rest.y;
     frame.block.eye_rest_m[2] = (float)rest.z;
-    frame.block.viewport_px[0] = (float)width;
-    frame.block.viewport_px[1] = (float)height;
-    frame.block.viewport_px[2] = 1.0f / (float)width;
-    frame.block.viewport_px[3] = 1.0f / (float)height;
     fill_matrix(&frame.block, camera, fx, fy);
     fill_planes(&frame, camera, fx, fy);
     fill_rays(&frame, camera, fx, fy, height);

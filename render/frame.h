@@ -13,7 +13,6 @@
 typedef struct FrameBlock {
     float clip_from_eye[4][4]; // columns; from metres relative to the eye, ECEF axes
     float eye_rest_m[4];       // the eye minus its lattice point, metres, below half a lattice unit
-    float viewport_px[4];      // width, height, 1 / width, 1 / height
     float ray_right[4];        // a pixel looks along ahead + clip.x right + clip.y up, ECEF axes; w: pixels per radian
     float ray_up[4];           // w: unused
     float ray_ahead[4];        // w: unused
@@ -24,9 +23,10 @@ typedef struct FrameBlock {
                                // zenith angle; w: height of the globe around the data, km
     float light_sun[2][4];     // irradiance at the data's middle, at sea level and at FRAME_LIGHT_M
     float light_sky[2][4];
-    int32_t mode[4];           // RenderColouring; 1: flat colours without dithering, for tests; unused
+    int32_t mode[4];           // RenderColouring; 1: flat colours, for tests: no dithering, and tints without light
+                               // and air
 } FrameBlock;
-_Static_assert(sizeof(FrameBlock) == 64 + 14 * 16, "as shaders/frame.glsl has it");
+_Static_assert(sizeof(FrameBlock) == 64 + 13 * 16, "as shaders/frame.glsl has it");
 
 #define FRAME_LIGHT_M 4000.0
 

@@ -11,11 +11,14 @@
 #include <stdlib.h>
 
 #define VRAM_BYTES_DEFAULT ((size_t)256 << 20)
+#define SAMPLES_HARDWARE 4
 
 struct Renderer {
     RenderOptions options;
     bool software;
-    Target target; // the picture, until it goes to the context's framebuffer
+    Target target;    // the picture, until it goes to the context's framebuffer
+    Target multi;     // the same with several samples a pixel, if asked for
+    int samples;
     Scene *scene;
     Hud *hud; // NULL: none could be made
     Timing timing;
@@ -44,6 +47,7 @@ Result render_create(const RenderOptions *options, const Terrain *terrain, Rende
     }
     renderer->options = *options;
     renderer->software = gl_is_software();
+    renderer->samples = options->samples ? options->samples : renderer->software ? 1 : SAMPLES_HARDWARE;
     renderer->timing = timing_create(renderer->software);
     Result result = scene_create(options, terrain, renderer->software, &renderer->scene);
     if (result != RESULT_OK) {
@@ -62,6 +66,7 @@ void render_destroy(Renderer **renderer) {
     hud_destroy(&self->hud);
     scene_destroy(&self->scene);
     target_destroy(&self->target);
+    target_destroy(&self->multi);
     timing_destroy(&self->timing);
     free(self);
     *renderer = NULL;
@@ -72,17 +77,29 @@ void render_resize(Renderer *renderer, int width, int height) {
     renderer->options.height = height;
 }
 
-static Result fit_target(Renderer *renderer) {
+static Result fit_target(Renderer *renderer, Target *target, int samples) {
     const RenderOptions *options = &renderer->options;
-    if (renderer->target.width == options->width && renderer->target.height == options->height)
+    if (target->width == options->width && target->height == options->height)
         return RESULT_OK;
-    target_destroy(&renderer->target);
-    return target_create(options->width, options->height, 1, &renderer->target);
+    target_destroy(target);
+    return target_create(options->width, options->height, samples, target);
+}
+
+static Result fit_targets(Renderer *renderer) {
+    Result result = fit_target(renderer, &renderer->target, 1);
+    if (result == RESULT_OK && renderer->samples > 1)
+        result = fit_target(renderer, &renderer->multi, renderer->samples);
+    return result;
 }
 
 static void draw(Renderer *renderer, const RenderPacket *packet, unsigned screen) {
     const Target *target = &renderer->target;
-    scene_draw(renderer->scene, packet, target->framebuffer, target->width, target->height);
+    bool multi = renderer->samples > 1 && !packet->magenta_background;
+    unsigned framebuffer = multi ? renderer->multi.framebuffer : target->framebuffer;
+    scene_draw(renderer->scene, packet, framebuffer, target->width, target->height);
+    if (multi)
+        target_blit_colour(&renderer->multi, target->framebuffer);
+    glBindFramebuffer(GL_FRAMEBUFFER, target->framebuffer);
     if (renderer->hud)
         hud_draw(renderer->hud, packet, renderer->has_previous ? &renderer->previous : NULL, target->width,
                  target->height);
@@ -93,7 +110,7 @@ Result render_frame(Renderer *renderer, const RenderPacket *packet, RenderStats 
     GLint screen = 0;
     glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &screen);
     *stats = (RenderStats){.software = renderer->software};
-    Result result = fit_target(renderer);
+    Result result = fit_targets(renderer);
     if (result != RESULT_OK)
         return result;
     int64_t begin_ns = clock_now_ns();

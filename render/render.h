@@ -49,7 +49,8 @@ typedef struct RenderPacket {
     Vec3d sun_ecef;           // unit vector towards the sun
     RenderColouring colouring;
     bool wireframe;
-    bool magenta_background;  // for the pinhole test: the sky is one flat (255, 0, 255)
+    bool magenta_background;  // for the pinhole test: the sky is one flat (255, 0, 255), one sample a pixel, and level,
+                              // cache and partition colours are without light and air
     RenderHud hud;
 } RenderPacket;
 
@@ -68,15 +69,20 @@ typedef struct RenderOptions {
     bool image_bounds_given;   // else the image's own georeference
     double image_west_deg, image_south_deg, image_east_deg, image_north_deg;
     bool measure_times;        // true: finish each frame to time it
+    int samples;               // a pixel, 1 .. 16, against jagged edges; 0: 4 on hardware, 1 on a software renderer
 } RenderOptions;
 RenderOptions render_default_options(void);
 
 typedef struct Renderer Renderer;
+// With the context current. Takes about a second for 20 million samples. DEVICE: no framebuffer, no patch cache, or the
+// shaders do not compile; NOT_FOUND: the shaders; MEMORY; for the draped image what render/drape.h says.
 MUST_USE Result render_create(const RenderOptions *options, const Terrain *terrain, Renderer **out);
 void render_destroy(Renderer **renderer);
 void render_resize(Renderer *renderer, int width, int height);
 
-// Uploads what changed and draws to the current framebuffer of the context (window or offscreen).
+// Uploads what changed and draws to the current framebuffer of the context (window or offscreen). When the cut does not fit
+// into vram_bytes_max, the last one that did is drawn, with a warning. DEVICE: no framebuffer of the new size; MEMORY: the
+// terrain is not drawn.
 MUST_USE Result render_frame(Renderer *renderer, const RenderPacket *packet, RenderStats *stats);
 
 // The finished picture, top row first, RGB, width * height * 3 bytes.

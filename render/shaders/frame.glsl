@@ -3,7 +3,6 @@
 layout(std140, binding = 0) uniform FrameBlock {
     mat4 clip_from_eye; // from metres relative to the eye, ECEF axes; depth 1 near .. 0 at infinity
     vec4 eye_rest_m;    // xyz: the eye minus its lattice point
-    vec4 viewport_px;   // width, height and their inverses
     vec4 ray_right;     // a pixel looks along ahead + clip.x right + clip.y up, ECEF axes; w: pixels per radian
     vec4 ray_up;
     vec4 ray_ahead;
@@ -14,7 +13,7 @@ layout(std140, binding = 0) uniform FrameBlock {
                         // the globe around the data, km
     vec4 light_sun[2];  // irradiance at sea level and at 4 km
     vec4 light_sky[2];
-    ivec4 mode;         // colouring; 1: flat colours
+    ivec4 mode;         // colouring; 1: flat colours, for tests: no dithering, and tints without light and air
 } frame;
 
 const vec3 ROUND = vec3(1.0, 1.0, 1.0033640898); // the ellipsoid's axes, a / b

@@ -35,7 +35,7 @@ Land land_at(float h_m, float steep, float north, float open_sky, vec2 lines_m, 
     float alpine = smoothstep(50.0 - 110.0 * spread, 50.0 + 110.0 * spread, h_m - lines_m.x + wander_m * 0.8);
     vec3 grass = mix(vec3(0.085, 0.100, 0.034), vec3(0.135, 0.120, 0.056), 0.5 + 0.5 * mid) * (1.0 + 0.18 * small);
     albedo = mix(albedo, grass, alpine);
-    vec3 rock = mix(vec3(0.088, 0.084, 0.074), vec3(0.165, 0.160, 0.146), 0.5 + 0.5 * (0.6 * mid + 0.6 * small));
+    vec3 rock = mix(vec3(0.086, 0.084, 0.070), vec3(0.158, 0.156, 0.134), 0.5 + 0.5 * (0.6 * mid + 0.6 * small));
     float above = clamp((h_m - lines_m.x + wander_m) / max(lines_m.y - lines_m.x, 300.0), 0.0, 1.0);
     float bare = smoothstep(-0.05 * spread, 0.05 * spread, steep - mix(0.25, 0.08, above) + mid * 0.035 + small * 0.03);
     bare = max(bare, smoothstep(0.50, 0.95, above + 0.25 * mid));
@@ -44,7 +44,7 @@ Land land_at(float h_m, float steep, float north, float open_sky, vec2 lines_m, 
     // Snow lies where it is high, not steep, and in the hollows.
     float snow_m = h_m - lines_m.y + wander_m * 0.8 + north * 260.0 + (0.72 - open_sky) * 600.0 - steep * 900.0;
     float snow = smoothstep(10.0 - 100.0 * spread, 10.0 + 100.0 * spread, snow_m) * smoothstep(0.62, 0.40, steep + 0.08 * small);
-    albedo = mix(albedo, vec3(0.78, 0.81, 0.86), snow);
+    albedo = mix(albedo, vec3(0.60, 0.63, 0.66), snow);
 
     return Land(albedo, mix(0.8 + 0.6 * bare, 0.25, snow));
 }

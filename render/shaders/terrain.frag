@@ -101,4 +101,6 @@ void main() {
 #endif
     Aerial aerial = aerial_to(direction, metres, height_km(round_m));
     colour = display(radiance * aerial.passes + aerial.light);
+    if (frame.mode.y != 0 && frame.mode.x != COLOUR_LAND)
+        colour = vec4(land.albedo, 1.0);
 }
