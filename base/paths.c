@@ -47,8 +47,15 @@ static bool executable_folder(char out[PATHS_BYTES_MAX]) {
     return true;
 }
 
-// In the build tree the program lies beside `folder` and the tests one folder below.
-static void collect_places(Places *places, const char *folder, const char *from_bin, const char *prefix) {
+// Where a chosen folder is named by the environment, it alone. Else: in the build tree the program lies beside `folder`
+// and the tests one folder below.
+static void collect_places(Places *places, const char *variable, const char *folder, const char *from_bin,
+                           const char *prefix) {
+    const char *chosen = getenv(variable);
+    if (chosen && *chosen) {
+        add_place(places, chosen, "");
+        return;
+    }
     char executable[PATHS_BYTES_MAX];
     if (executable_folder(executable)) {
         char parent[PATHS_BYTES_MAX + 3];
@@ -67,30 +74,26 @@ static bool find_in(const Places *places, const char *relative, char out[PATHS_B
     return false;
 }
 
-static Result find_or_log(const Places *places, const char *relative, const char *remedy, char out[PATHS_BYTES_MAX]) {
+static Result find_or_log(const Places *places, const char *relative, const char *variable, char out[PATHS_BYTES_MAX]) {
     if (find_in(places, relative, out))
         return RESULT_OK;
     char looked[PLACES_MAX * (PATHS_BYTES_MAX + 2)] = "";
     size_t used = 0;
     for (int i = 0; i < places->count; i++)
         used += (size_t)snprintf(looked + used, sizeof looked - used, "%s%s", i ? ", " : "", places->folder[i]);
-    log_error("%s: not found in %s; %s", relative, looked, remedy);
+    log_error("%s: not found in %s; install overfly again, or set %s to the folder that holds it", relative, looked,
+              variable);
     return RESULT_NOT_FOUND;
 }
 
 Result paths_find_data(const char *relative, char out[PATHS_BYTES_MAX]) {
     Places places = {.count = 0};
-    const char *chosen = getenv("OVERFLY_DATA_DIR");
-    if (chosen && *chosen)
-        add_place(&places, chosen, "");
-    else
-        collect_places(&places, "share/overfly", PATHS_DATA_FROM_BIN, PATHS_DATA_PREFIX);
-    return find_or_log(&places, relative, "install overfly again, or set OVERFLY_DATA_DIR to the folder that holds it",
-                       out);
+    collect_places(&places, "OVERFLY_DATA_DIR", "share/overfly", PATHS_DATA_FROM_BIN, PATHS_DATA_PREFIX);
+    return find_or_log(&places, relative, "OVERFLY_DATA_DIR", out);
 }
 
 Result paths_find_module(const char *file_name, char out[PATHS_BYTES_MAX]) {
     Places places = {.count = 0};
-    collect_places(&places, "lib/overfly", PATHS_MODULE_FROM_BIN, PATHS_MODULE_PREFIX);
-    return find_or_log(&places, file_name, "install overfly again", out);
+    collect_places(&places, "OVERFLY_MODULE_DIR", "lib/overfly", PATHS_MODULE_FROM_BIN, PATHS_MODULE_PREFIX);
+    return find_or_log(&places, file_name, "OVERFLY_MODULE_DIR", out);
 }

@@ -12,5 +12,6 @@
 // OVERFLY_DATA_DIR is set, only that is looked at. NOT_FOUND, with the places looked at in the log.
 MUST_USE Result paths_find_data(const char *relative, char out[PATHS_BYTES_MAX]);
 
-// The loadable module `file_name` ("overfly_image.so"), by the same rule in lib/overfly and without the environment.
+// The loadable module `file_name` ("overfly_image.so"), by the same rule: $OVERFLY_MODULE_DIR, lib/overfly. Programs of
+// others that link the terrain library lie elsewhere: for them the prefix it was built for counts, or the variable.
 MUST_USE Result paths_find_module(const char *file_name, char out[PATHS_BYTES_MAX]);

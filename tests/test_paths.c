@@ -87,11 +87,25 @@ static void overlong_names_are_not_found(void **state) {
     log_set_sink(NULL, NULL);
 }
 
+static void chosen_module_folder_wins(void **state) {
+    (void)state;
+    char folder[] = "/tmp/overfly-paths-XXXXXX", file[64], found[PATHS_BYTES_MAX];
+    assert_non_null(mkdtemp(folder));
+    snprintf(file, sizeof file, "%s/probe.so", folder);
+    write_file(file);
+    setenv("OVERFLY_MODULE_DIR", folder, 1);
+    assert_int_equal(paths_find_module("probe.so", found), RESULT_OK);
+    assert_string_equal(found, file);
+    unsetenv("OVERFLY_MODULE_DIR");
+    unlink(file);
+    rmdir(folder);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(chosen_folder_wins),           cmocka_unit_test(chosen_folder_is_the_only_one),
         cmocka_unit_test(build_tree_finds_its_data),    cmocka_unit_test(missing_file_is_named_with_every_place),
-        cmocka_unit_test(overlong_names_are_not_found),
+        cmocka_unit_test(overlong_names_are_not_found), cmocka_unit_test(chosen_module_folder_wins),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
