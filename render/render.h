@@ -81,7 +81,7 @@ void render_destroy(Renderer **renderer);
 void render_resize(Renderer *renderer, int width, int height);
 
 // Uploads what changed and draws to the current framebuffer of the context (window or offscreen). When the cut does not fit
-// into vram_bytes_max, the last one that did is drawn, with a warning. DEVICE: no framebuffer of the new size; MEMORY: the
+// into vram_bytes_max, only what is in view is kept there, or else the last cut that fitted is drawn, with a warning. DEVICE: no framebuffer of the new size; MEMORY: the
 // terrain is not drawn.
 MUST_USE Result render_frame(Renderer *renderer, const RenderPacket *packet, RenderStats *stats);
 

@@ -50,13 +50,14 @@ struct TerrainPass {
     GLuint vertex_array, commands_buffer, instances_buffer;
     Placed *placed;
     PatchPlace *places;
+    LodItem *in_view; // the cut's, while not all of it fits into the cache
     Visible *visible;
     DrawCommand *commands;
     Instance *instances;
     int32_t capacity, placed_count, visible_count, dry_count; // the dry ones come first
     int64_t triangles;
     double noise_repeats[2]; // per column and row
-    bool over_budget; // since when it has been said
+    bool over_budget; // and it has been said
 };
 
 static void describe_attributes(GLuint vertex_array) {
@@ -98,6 +99,7 @@ void terrain_pass_destroy(TerrainPass **pass) {
     glDeleteBuffers(1, &self->instances_buffer);
     free(self->placed);
     free(self->places);
+    free(self->in_view);
     free(self->visible);
     free(self->commands);
     free(self->instances);
@@ -118,6 +120,7 @@ static Result reserve(TerrainPass *pass, int32_t count) {
     int32_t capacity = count + count / 2 + 64;
     if (!grow_array((void **)&pass->placed, sizeof *pass->placed, capacity) ||
         !grow_array((void **)&pass->places, sizeof *pass->places, capacity) ||
+        !grow_array((void **)&pass->in_view, sizeof *pass->in_view, capacity) ||
         !grow_array((void **)&pass->visible, sizeof *pass->visible, capacity) ||
         !grow_array((void **)&pass->commands, sizeof *pass->commands, capacity) ||
         !grow_array((void **)&pass->instances, sizeof *pass->instances, capacity)) {
@@ -141,44 +144,69 @@ static Placed placed_from(const LodItem *item, const PatchPlace *place, const Gr
                     .radius_m = item->radius_m};
 }
 
-// As many items, from the first, as the cache can hold: what is drawn when there is no former cut to fall back on.
-static int32_t count_fitting(const LodCut *cut, size_t capacity_bytes) {
+// As many items, from the first, as the cache can hold.
+static int32_t count_fitting(const LodItem *items, int32_t count, size_t capacity_bytes) {
     size_t bytes = 0;
-    for (int32_t i = 0; i < cut->item_count; i++) {
-        bytes += patch_cache_bytes_needed(&cut->items[i], 1);
+    for (int32_t i = 0; i < count; i++) {
+        bytes += patch_cache_bytes_needed(&items[i], 1);
         if (bytes > capacity_bytes)
             return i;
     }
-    return cut->item_count;
+    return count;
 }
 
-static void warn_over_budget(TerrainPass *pass, const PatchCache *cache, const LodCut *cut) {
+static void warn_over_budget(TerrainPass *pass, const PatchCache *cache, const LodCut *cut, const char *what) {
     if (!pass->over_budget)
         log_warn("the cut needs %zu MiB of graphics memory, the limit is %zu MiB: drawing %s; raise the limit or the "
                  "tolerance",
-                 patch_cache_bytes_needed(cut->items, cut->item_count) >> 20, patch_cache_capacity(cache) >> 20,
-                 pass->placed_count ? "the last cut that fitted" : "a part of it");
+                 (patch_cache_bytes_needed(cut->items, cut->item_count) >> 20) + 1, patch_cache_capacity(cache) >> 20,
+                 what);
     pass->over_budget = true;
 }
 
-static Result place_cut(TerrainPass *pass, PatchCache *cache, const Ground *ground, const LodCut *cut) {
-    int32_t count = cut->item_count;
-    Result result = patch_cache_place(cache, cut->items, count, pass->places);
-    if (result == RESULT_BUDGET) {
-        warn_over_budget(pass, cache, cut);
-        if (pass->placed_count) {
-            patch_cache_keep_last(cache);
-            return RESULT_OK;
-        }
-        count = count_fitting(cut, patch_cache_capacity(cache));
-        result = patch_cache_place(cache, cut->items, count, pass->places);
-    } else {
-        pass->over_budget = false;
-    }
+static int32_t find_in_view(TerrainPass *pass, const Frame *frame, const LodCut *cut) {
+    int32_t count = 0;
+    for (int32_t i = 0; i < cut->item_count; i++)
+        if (frame_sees_sphere(frame, cut->items[i].centre_ecef, cut->items[i].radius_m))
+            pass->in_view[count++] = cut->items[i];
+    return count;
+}
+
+// Brings items into the cache and remembers where they are.
+static Result place_items(TerrainPass *pass, PatchCache *cache, const Ground *ground, const LodItem *items,
+                          int32_t count) {
+    Result result = patch_cache_place(cache, items, count, pass->places);
+    if (result == RESULT_BUDGET)
+        return result;
     pass->placed_count = result == RESULT_OK ? count : 0;
     for (int32_t i = 0; i < pass->placed_count; i++)
-        pass->placed[i] = placed_from(&cut->items[i], &pass->places[i], ground);
+        pass->placed[i] = placed_from(&items[i], &pass->places[i], ground);
     return result;
+}
+
+// All of the cut, so that a turn of the head uploads nothing; else what is in view; else what was drawn before; else
+// what fits.
+static Result place_cut(TerrainPass *pass, PatchCache *cache, const Frame *frame, const Ground *ground,
+                        const LodCut *cut) {
+    Result result = place_items(pass, cache, ground, cut->items, cut->item_count);
+    if (result != RESULT_BUDGET) {
+        pass->over_budget = false;
+        return result;
+    }
+    int32_t count = find_in_view(pass, frame, cut);
+    result = place_items(pass, cache, ground, pass->in_view, count);
+    if (result != RESULT_BUDGET) {
+        warn_over_budget(pass, cache, cut, "only what is in view");
+        return result;
+    }
+    if (pass->placed_count) {
+        warn_over_budget(pass, cache, cut, "the last cut that fitted");
+        patch_cache_keep_last(cache);
+        return RESULT_OK;
+    }
+    warn_over_budget(pass, cache, cut, "a part of it");
+    return place_items(pass, cache, ground, pass->in_view,
+                       count_fitting(pass->in_view, count, patch_cache_capacity(cache)));
 }
 
 static int compare_visible(const void *a, const void *b) {
@@ -249,7 +277,7 @@ Result terrain_pass_prepare(TerrainPass *pass, PatchCache *cache, const Frame *f
                             const LodCut *cut) {
     Result result = reserve(pass, cut->item_count);
     if (result == RESULT_OK)
-        result = place_cut(pass, cache, ground, cut);
+        result = place_cut(pass, cache, frame, ground, cut);
     find_visible(pass, frame);
     fill_lists(pass, frame);
     upload_lists(pass);

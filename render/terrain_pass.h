@@ -13,7 +13,8 @@ MUST_USE Result terrain_pass_create(const double noise_repeats[2], TerrainPass *
 void terrain_pass_destroy(TerrainPass **pass);
 
 // Brings the packet's patches into the cache and lists those that can be seen, nearest first. When the cut does not
-// fit into the cache, the last one that did is listed, and a warning says so once. MEMORY: nothing is listed.
+// fit into the cache, only what is in view is brought there; when even that does not fit, the last cut that did is
+// listed again. A warning says so once. MEMORY: nothing is listed.
 MUST_USE Result terrain_pass_prepare(TerrainPass *pass, PatchCache *cache, const Frame *frame, const Ground *ground,
                                      const LodCut *cut);
 
