@@ -118,7 +118,8 @@ Result context_create_window(const ContextOptions *options, Context **out) {
     self->vsync = options->vsync;
     Result result = RESULT_DEVICE;
     if (!glfwInit()) {
-        log_error("no display to open a window on: %s; set DISPLAY, or fly without a window (--no-window)", last_error());
+        log_error("no display to open a window on: %s; set DISPLAY, or fly without a window (--no-window)",
+                  last_error());
         goto fail;
     }
     if ((result = open_window(self, options)) != RESULT_OK)

@@ -9,8 +9,8 @@ typedef struct DrapePlace {
     bool utm;
     int zone; // 1 .. 60
     bool zone_north;
-    double west, north;      // outer edges
-    double across, down;     // extent, > 0
+    double west, north;  // outer edges
+    double across, down; // extent, > 0
 } DrapePlace;
 
 // From options->image_bounds or the image's own tags; see drape_create.

@@ -23,8 +23,8 @@ typedef struct FrameBlock {
                                // zenith angle; w: height of the globe around the data, km
     float light_sun[2][4];     // irradiance at the data's middle, at sea level and at FRAME_LIGHT_M
     float light_sky[2][4];
-    int32_t mode[4];           // RenderColouring; 1: flat colours, for tests: no dithering, and tints without light
-                               // and air
+    int32_t mode[4]; // RenderColouring; 1: flat colours, for tests: no dithering, and tints without light
+                     // and air
 } FrameBlock;
 _Static_assert(sizeof(FrameBlock) == 64 + 13 * 16, "as shaders/frame.glsl has it");
 
@@ -32,13 +32,13 @@ _Static_assert(sizeof(FrameBlock) == 64 + 13 * 16, "as shaders/frame.glsl has it
 
 typedef struct Frame {
     FrameBlock block;
-    GridPoint eye;     // rounded to the lattice
+    GridPoint eye; // rounded to the lattice
     Vec3d eye_ecef;
-    Vec3d planes[4];   // inward unit normals of the sides of the view, through the eye: left, right, bottom, top
-    Vec3d forward;     // unit
-    double eye_h_m;    // above the ellipsoid, in round space
-    double globe_m;    // height of the globe
-    double mu_sun;     // cosine of the sun's zenith angle at the eye, round space
+    Vec3d planes[4]; // inward unit normals of the sides of the view, through the eye: left, right, bottom, top
+    Vec3d forward;   // unit
+    double eye_h_m;  // above the ellipsoid, in round space
+    double globe_m;  // height of the globe
+    double mu_sun;   // cosine of the sun's zenith angle at the eye, round space
 } Frame;
 
 Frame frame_make(const RenderCamera *camera, int width, int height);

@@ -15,10 +15,10 @@ enum { GROUND_UNIT_SURFACE, GROUND_UNIT_HEIGHT, GROUND_UNIT_SHADE, GROUND_UNIT_N
 
 // std140; the twin of shaders/ground.glsl.
 typedef struct GroundBlock {
-    float texel[4];   // coordinates = sample * xy + zw
-    float height[4];  // m above the geoid = texture * x + y; z: metres a cell; w: unused
-    float noise[4];   // xy: repeats of the noise per sample; zw: cells along x and y
-    float globe[4];   // what surrounds the data: x: its height, m; y: 1 where it is sea
+    float texel[4];  // coordinates = sample * xy + zw
+    float height[4]; // m above the geoid = texture * x + y; z: metres a cell; w: unused
+    float noise[4];  // xy: repeats of the noise per sample; zw: cells along x and y
+    float globe[4];  // what surrounds the data: x: its height, m; y: 1 where it is sea
 } GroundBlock;
 _Static_assert(sizeof(GroundBlock) == 4 * 16, "as shaders/ground.glsl has it");
 

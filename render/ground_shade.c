@@ -12,8 +12,8 @@ typedef struct Point {
     float s_m, h_m;
 } Point;
 
-// Lines lead away from the sun. Along the major axis they take one cell a step, `slope` cells across it, so that every cell
-// belongs to exactly one line.
+// Lines lead away from the sun. Along the major axis they take one cell a step, `slope` cells across it, so that every
+// cell belongs to exactly one line.
 typedef struct Sweep {
     const GroundSource *source;
     const float *samples;
@@ -67,8 +67,8 @@ static uint8_t byte_from_tangent(float tangent) {
     return (uint8_t)(255.0f * sqrtf(share) + 0.5f);
 }
 
-static void sweep_lines(void *user, int64_t begin, int64_t end, int worker) {
-    const Sweep *sweep = user;
+// Side by side, so that memory is read along rows: at most LINES_A_PIECE lines.
+static void sweep_beside(const Sweep *sweep, int64_t begin, int64_t end, int worker) {
     Point *stacks = sweep->stacks + (size_t)worker * LINES_A_PIECE * (size_t)sweep->count_major;
     int counts[LINES_A_PIECE] = {0};
     for (int k = 0; k < sweep->count_major; k++) {
@@ -82,11 +82,15 @@ static void sweep_lines(void *user, int64_t begin, int64_t end, int worker) {
                 continue;
             float fall_m = s_m * s_m / (2.0f * (float)GEODESY_A_M);
             Point point = {s_m, height_between(sweep, major, (int)minor, aside) - fall_m};
-            float tangent =
-                add_to_hull(stacks + (line - begin) * sweep->count_major, &counts[line - begin], point);
+            float tangent = add_to_hull(stacks + (line - begin) * sweep->count_major, &counts[line - begin], point);
             *cell_at(sweep, major, (int)minor) = byte_from_tangent(tangent - s_m / (float)GEODESY_A_M);
         }
     }
+}
+
+static void sweep_lines(void *user, int64_t begin, int64_t end, int worker) {
+    for (int64_t line = begin; line < end; line += LINES_A_PIECE)
+        sweep_beside(user, line, line + LINES_A_PIECE < end ? line + LINES_A_PIECE : end, worker);
 }
 
 static Sweep plan_sweep(const GroundSource *source, double azimuth_rad) {
@@ -111,8 +115,8 @@ static Sweep plan_sweep(const GroundSource *source, double azimuth_rad) {
 Result ground_shade_build(const GroundSource *source, double azimuth_rad, Jobs *jobs, uint8_t *out) {
     Sweep sweep = plan_sweep(source, azimuth_rad);
     sweep.out = out;
-    sweep.stacks = malloc((size_t)jobs_worker_count(jobs) * LINES_A_PIECE * (size_t)sweep.count_major *
-                          sizeof *sweep.stacks);
+    sweep.stacks =
+        malloc((size_t)jobs_worker_count(jobs) * LINES_A_PIECE * (size_t)sweep.count_major * sizeof *sweep.stacks);
     if (!sweep.stacks) {
         log_error("out of memory for the ground's shadows");
         return RESULT_MEMORY;

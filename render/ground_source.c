@@ -65,9 +65,10 @@ Result ground_source_create(const Terrain *terrain, int side_max, GroundSource *
         source.height = (dem->height - 1) / source.step + 1;
     }
     if (source.step > 1)
-        log_warn("the grid of %d x %d samples is larger than this driver's textures (%d): colours and normals have every "
-                 "%dth sample",
-                 dem->width, dem->height, side_max, source.step);
+        log_warn(
+            "the grid of %d x %d samples is larger than this driver's textures (%d): colours and normals have every "
+            "%dth sample",
+            dem->width, dem->height, side_max, source.step);
     source.blocks_x = (source.width - 1) / GROUND_BLOCK + 2;
     source.blocks_y = (source.height - 1) / GROUND_BLOCK + 2;
     size_t nodes = (size_t)source.blocks_x * (size_t)source.blocks_y;

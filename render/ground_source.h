@@ -16,12 +16,12 @@ typedef struct GroundJacobian {
 
 typedef struct GroundSource {
     const Terrain *terrain;
-    int step;               // samples a cell: 1, or 2, 4 ... for a reduced grid
-    int width, height;      // cells
-    int blocks_x, blocks_y; // nodes of the tables below, one beyond the last cell
-    float *undulation_m;    // [blocks_y][blocks_x], interpolated between
+    int step;                  // samples a cell: 1, or 2, 4 ... for a reduced grid
+    int width, height;         // cells
+    int blocks_x, blocks_y;    // nodes of the tables below, one beyond the last cell
+    float *undulation_m;       // [blocks_y][blocks_x], interpolated between
     GroundJacobian *jacobians; // [blocks_y][blocks_x]
-    float min_m, max_m;     // above the geoid, bounds
+    float min_m, max_m;        // above the geoid, bounds
 } GroundSource;
 
 // `side_max`: of a texture.

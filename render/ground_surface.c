@@ -8,8 +8,8 @@
 #define ROWS_A_PIECE 32
 #define LEVEL_M 0.01f // neighbours closer than that are level: less than any file's step, more than the geoid's slope
 
-// Means of (2 << level) x (2 << level) cells, metres above the source's lowest point; then, coarsest first, each level's
-// sum of its own and all coarser means, weighted.
+// Means of (2 << level) x (2 << level) cells, metres above the source's lowest point; then, coarsest first, each
+// level's sum of its own and all coarser means, weighted.
 #define PYRAMID_LEVELS 7
 typedef struct Pyramid {
     float *levels[PYRAMID_LEVELS];
@@ -21,7 +21,7 @@ typedef struct Build {
     GroundSurface *surface;
     float *rows; // [workers][3][width]
     Pyramid pyramid;
-    int level;   // of the pyramid, being made
+    int level; // of the pyramid, being made
 } Build;
 
 static size_t cell_index(const GroundSurface *surface, int col, int row) {
@@ -97,7 +97,8 @@ static void build_rows(void *user, int64_t begin, int64_t end, int worker) {
 static void reduce_first(const Build *build, int64_t y) {
     const GroundSurface *surface = build->surface;
     int64_t below = 2 * y + 1 < surface->height ? 2 * y + 1 : 2 * y;
-    const uint16_t *upper = surface->heights + 2 * y * surface->width, *lower = surface->heights + below * surface->width;
+    const uint16_t *upper = surface->heights + 2 * y * surface->width,
+                   *lower = surface->heights + below * surface->width;
     float *out = build->pyramid.levels[0] + y * build->pyramid.width[0], metres = 0.25f * metres_a_step(build->source);
     for (int x = 0; x < surface->width / 2; x++)
         out[x] = metres * (float)(upper[2 * x] + upper[2 * x + 1] + lower[2 * x] + lower[2 * x + 1]);
@@ -109,7 +110,8 @@ static void reduce_next(const Build *build, int64_t y) {
     const Pyramid *pyramid = &build->pyramid;
     int level = build->level, width = pyramid->width[level - 1];
     int64_t below = 2 * y + 1 < pyramid->height[level - 1] ? 2 * y + 1 : 2 * y;
-    const float *upper = pyramid->levels[level - 1] + 2 * y * width, *lower = pyramid->levels[level - 1] + below * width;
+    const float *upper = pyramid->levels[level - 1] + 2 * y * width,
+                *lower = pyramid->levels[level - 1] + below * width;
     float *out = pyramid->levels[level] + y * pyramid->width[level];
     for (int x = 0; x < width / 2; x++)
         out[x] = 0.25f * (upper[2 * x] + upper[2 * x + 1] + lower[2 * x] + lower[2 * x + 1]);
@@ -142,7 +144,8 @@ static float sample_finer(const float *own, const float *beside, int width, int 
 // The rows of level `level` that sample_finer needs for row y of the next finer grid.
 static const float *level_row(const Pyramid *pyramid, int level, int64_t y, bool beside) {
     int near = (int)(y / 2), row = beside ? (y & 1 ? near + 1 : near - 1) : near;
-    return pyramid->levels[level] + (size_t)clamp_int(row, 0, pyramid->height[level] - 1) * (size_t)pyramid->width[level];
+    return pyramid->levels[level] +
+           (size_t)clamp_int(row, 0, pyramid->height[level] - 1) * (size_t)pyramid->width[level];
 }
 
 static float level_weight(int level) { // a hollow counts by its depth over its width

@@ -5,10 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define LAKE_CELLS_MIN 24  // with their rims some 8 x 8 cells: noise makes no such plane
+#define LAKE_CELLS_MIN 24 // with their rims some 8 x 8 cells: noise makes no such plane
 #define SEA_CELLS_MIN 4
-#define SEA_LEVEL_M 0.6f   // above or below the geoid
-#define RIM 0x80           // a cell of a region that is water, or one beside it
+#define SEA_LEVEL_M 0.6f // above or below the geoid
+#define RIM 0x80         // a cell of a region that is water, or one beside it
 
 // A run of level cells in one row; regions are trees of runs, with the totals at the root.
 typedef struct Run {

@@ -23,7 +23,8 @@ static float unit(uint32_t h) { // 0 .. 1
 static float value_noise(float x, float y, uint32_t cells, uint32_t seed) {
     uint32_t x0 = (uint32_t)x, y0 = (uint32_t)y;
     float fx = x - (float)x0, fy = y - (float)y0;
-    float wx = fx * fx * fx * (fx * (fx * 6.0f - 15.0f) + 10.0f), wy = fy * fy * fy * (fy * (fy * 6.0f - 15.0f) + 10.0f);
+    float wx = fx * fx * fx * (fx * (fx * 6.0f - 15.0f) + 10.0f),
+          wy = fy * fy * fy * (fy * (fy * 6.0f - 15.0f) + 10.0f);
     uint32_t xa = x0 % cells, xb = (x0 + 1) % cells, ya = y0 % cells, yb = (y0 + 1) % cells;
     float upper = unit(hash(xa, ya, seed)) * (1.0f - wx) + unit(hash(xb, ya, seed)) * wx;
     float lower = unit(hash(xa, yb, seed)) * (1.0f - wx) + unit(hash(xb, yb, seed)) * wx;
@@ -47,7 +48,8 @@ static float mosaic(float u, float v) {
     for (int dy = -1; dy <= 1; dy++) {
         for (int dx = -1; dx <= 1; dx++) {
             int cx = (int)floorf(x) + dx, cy = (int)floorf(y) + dy;
-            uint32_t wx = (uint32_t)(cx + MOSAIC_CELLS) % MOSAIC_CELLS, wy = (uint32_t)(cy + MOSAIC_CELLS) % MOSAIC_CELLS;
+            uint32_t wx = (uint32_t)(cx + MOSAIC_CELLS) % MOSAIC_CELLS,
+                     wy = (uint32_t)(cy + MOSAIC_CELLS) % MOSAIC_CELLS;
             float px = (float)cx + unit(hash(wx, wy, 101)) - x, py = (float)cy + unit(hash(wx, wy, 102)) - y;
             float distance = fabsf(px) + fabsf(py); // straight-edged, as fields are
             if (distance < best) {
@@ -67,7 +69,8 @@ void noise_fill(uint8_t *out) {
     const float texel = 1.0f / NOISE_SIDE, slope_scale = 0.06f / texel * 0.5f;
     for (int y = 0; y < NOISE_SIDE; y++) {
         for (int x = 0; x < NOISE_SIDE; x++) {
-            float u = ((float)x + 1.0f) * texel, v = ((float)y + 1.0f) * texel; // one texel in, so that neighbours are >= 0
+            float u = ((float)x + 1.0f) * texel,
+                  v = ((float)y + 1.0f) * texel; // one texel in, so that neighbours are >= 0
             uint8_t *cell = out + ((size_t)y * NOISE_SIDE + (size_t)x) * 4;
             cell[0] = signed_byte(1.3f * fractal(u, v));
             cell[1] = signed_byte((fractal(u + texel, v) - fractal(u - texel, v)) * slope_scale);

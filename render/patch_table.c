@@ -108,8 +108,7 @@ uint32_t patch_table_add(PatchTable *table, PatchKey key, uint64_t frame) {
         index = table->count++;
     else
         return PATCH_NONE;
-    table->entries[index] =
-        (PatchEntry){.key = key, .region = VRAM_NONE, .used_frame = frame, .latest = PATCH_NONE};
+    table->entries[index] = (PatchEntry){.key = key, .region = VRAM_NONE, .used_frame = frame, .latest = PATCH_NONE};
     link_bucket(table, index);
     link_newest(table, index);
     return index;

@@ -17,10 +17,10 @@ typedef struct PatchKey {
 typedef struct PatchEntry {
     PatchKey key;
     VramRegion region;
-    uint64_t used_frame;  // the last frame that drew it
-    uint16_t cols, rows;  // of PATCH_PAGE: samples it spans, from its first
-    uint32_t latest;      // of PATCH_PAGE: the index list placed last, or PATCH_NONE
-    uint32_t bucket_next; // in the hash bucket, or in the list of spare entries
+    uint64_t used_frame;   // the last frame that drew it
+    uint16_t cols, rows;   // of PATCH_PAGE: samples it spans, from its first
+    uint32_t latest;       // of PATCH_PAGE: the index list placed last, or PATCH_NONE
+    uint32_t bucket_next;  // in the hash bucket, or in the list of spare entries
     uint32_t newer, older; // by last use
 } PatchEntry;
 

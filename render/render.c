@@ -16,8 +16,8 @@
 struct Renderer {
     RenderOptions options;
     bool software;
-    Target target;    // the picture, until it goes to the context's framebuffer
-    Target multi;     // the same with several samples a pixel, if asked for
+    Target target; // the picture, until it goes to the context's framebuffer
+    Target multi;  // the same with several samples a pixel, if asked for
     int samples;
     Scene *scene;
     Hud *hud; // NULL: none could be made

@@ -31,45 +31,45 @@ typedef struct RenderHud {
     bool show_flight, show_numbers, show_help;
     double heading_rad, pitch_rad, bank_rad;
     double speed_m_s, altitude_m, above_ground_m, vertical_speed_m_s, throttle; // throttle 0..1
-    Vec3d velocity_ecef;      // m/s, for the flight path marker
-    bool over_terrain;        // above_ground_m is valid
+    Vec3d velocity_ecef;                                                        // m/s, for the flight path marker
+    bool over_terrain;                                                          // above_ground_m is valid
     bool crashed, paused;
-    const char *datum;        // of altitude_m: "EGM96"; static
-    const char *method;       // lod_method_name of what made the cut; static, or NULL
+    const char *datum;             // of altitude_m: "EGM96"; static
+    const char *method;            // lod_method_name of what made the cut; static, or NULL
     double frame_ms, frame_p99_ms; // of the last seconds, whole frames
-    const RenderHelpRow *help; // the page of keys, help_count rows; static
+    const RenderHelpRow *help;     // the page of keys, help_count rows; static
     int help_count;
-    const char *message;      // one line for a few seconds, or NULL; lives as long as the packet
+    const char *message; // one line for a few seconds, or NULL; lives as long as the packet
 } RenderHud;
 
 // Immutable once handed over. `cut` and what it points to live until lod_release of its frame.
 typedef struct RenderPacket {
     LodCut cut;
     RenderCamera camera;
-    Vec3d sun_ecef;           // unit vector towards the sun
+    Vec3d sun_ecef; // unit vector towards the sun
     RenderColouring colouring;
     bool wireframe;
-    bool magenta_background;  // for the pinhole test: the sky is one flat (255, 0, 255), one sample a pixel, and level,
-                              // cache and partition colours are without light and air
+    bool magenta_background; // for the pinhole test: the sky is one flat (255, 0, 255), one sample a pixel, and level,
+                             // cache and partition colours are without light and air
     RenderHud hud;
 } RenderPacket;
 
 typedef struct RenderStats {
     int64_t draws, triangles_drawn, patches_drawn; // after view culling
     int64_t upload_bytes, evictions;
-    int64_t vram_bytes;          // in use in the patch cache
-    double upload_ms, draw_ms;   // draw_ms by glFinish and the clock on a software renderer, else timer queries
+    int64_t vram_bytes;        // in use in the patch cache
+    double upload_ms, draw_ms; // draw_ms by glFinish and the clock on a software renderer, else timer queries
     bool software;
 } RenderStats;
 
 typedef struct RenderOptions {
-    int width, height;         // pixels
-    size_t vram_bytes_max;     // of the patch cache
-    const char *image_path;    // draped image, or NULL
-    bool image_bounds_given;   // else the image's own georeference
+    int width, height;       // pixels
+    size_t vram_bytes_max;   // of the patch cache
+    const char *image_path;  // draped image, or NULL
+    bool image_bounds_given; // else the image's own georeference
     double image_west_deg, image_south_deg, image_east_deg, image_north_deg;
-    bool measure_times;        // true: finish each frame to time it
-    int samples;               // a pixel, 1 .. 16, against jagged edges; 0: 4 on hardware, 1 on a software renderer
+    bool measure_times; // true: finish each frame to time it
+    int samples;        // a pixel, 1 .. 16, against jagged edges; 0: 4 on hardware, 1 on a software renderer
 } RenderOptions;
 RenderOptions render_default_options(void);
 
@@ -80,9 +80,9 @@ MUST_USE Result render_create(const RenderOptions *options, const Terrain *terra
 void render_destroy(Renderer **renderer);
 void render_resize(Renderer *renderer, int width, int height);
 
-// Uploads what changed and draws to the current framebuffer of the context (window or offscreen). When the cut does not fit
-// into vram_bytes_max, only what is in view is kept there, or else the last cut that fitted is drawn, with a warning. DEVICE: no framebuffer of the new size; MEMORY: the
-// terrain is not drawn.
+// Uploads what changed and draws to the current framebuffer of the context (window or offscreen). When the cut does not
+// fit into vram_bytes_max, only what is in view is kept there, or else the last cut that fitted is drawn, with a
+// warning. DEVICE: no framebuffer of the new size; MEMORY: the terrain is not drawn.
 MUST_USE Result render_frame(Renderer *renderer, const RenderPacket *packet, RenderStats *stats);
 
 // The finished picture, top row first, RGB, width * height * 3 bytes.

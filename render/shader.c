@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FILES_MAX 32      // of one stage, includes counted
+#define FILES_MAX 32 // of one stage, includes counted
 #define LINE_MAX_BYTES 512
 
 // Text that grows; `failed` is kept until the end, so that appending needs no checks.
@@ -172,8 +172,8 @@ static GLenum stage_of(const char *file) {
 static void log_compile_error(GLuint shader, const char *file, const char *defines, const char *files) {
     char complaint[2048] = "";
     glGetShaderInfoLog(shader, sizeof complaint, NULL, complaint);
-    log_error("shader %s (%s) does not compile:\n%s\nfiles, counted from 0:\n%s", file, defines ? defines : "no defines",
-              complaint, files);
+    log_error("shader %s (%s) does not compile:\n%s\nfiles, counted from 0:\n%s", file,
+              defines ? defines : "no defines", complaint, files);
 }
 
 static Result compile_stage(const char *file, const char *defines, GLuint *out) {

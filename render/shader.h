@@ -9,8 +9,8 @@
 // One program: files of the shaders folder (base/paths.h), ending in .vert, .frag or .comp.
 typedef struct ShaderSpec {
     const char *stages[SHADER_STAGES_MAX];
-    const char *defines;              // "HOLES SAMPLES=4", or NULL
-    const char *const *feedback;      // varyings to capture, or NULL
+    const char *defines;         // "HOLES SAMPLES=4", or NULL
+    const char *const *feedback; // varyings to capture, or NULL
     int feedback_count;
 } ShaderSpec;
 

@@ -21,8 +21,8 @@ Result target_create(int width, int height, int samples, Target *out) {
     glNamedFramebufferRenderbuffer(target.framebuffer, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, target.colour);
     glNamedFramebufferRenderbuffer(target.framebuffer, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, target.depth);
     if (glCheckNamedFramebufferStatus(target.framebuffer, GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
-        log_error("no framebuffer of %d x %d pixels with %d samples: the driver refuses it; ask for fewer", width, height,
-                  samples);
+        log_error("no framebuffer of %d x %d pixels with %d samples: the driver refuses it; ask for fewer", width,
+                  height, samples);
         target_destroy(&target);
         return RESULT_DEVICE;
     }

@@ -57,7 +57,7 @@ struct TerrainPass {
     int32_t capacity, placed_count, visible_count, dry_count; // the dry ones come first
     int64_t triangles;
     double noise_repeats[2]; // per column and row
-    bool over_budget; // and it has been said
+    bool over_budget;        // and it has been said
 };
 
 static void describe_attributes(GLuint vertex_array) {

@@ -11,8 +11,8 @@ typedef struct Timing {
     bool software;
     int64_t begin_ns;
     unsigned queries[TIMING_QUERIES];
-    uint64_t begun;   // frames
-    uint64_t read;    // frames whose query was read
+    uint64_t begun; // frames
+    uint64_t read;  // frames whose query was read
     double last_ms;
 } Timing;
 

@@ -13,8 +13,8 @@
 #define POWERS 32
 
 typedef struct Block {
-    uint32_t begin, length;      // granules
-    uint32_t before, after;      // neighbours in the buffer
+    uint32_t begin, length;        // granules
+    uint32_t before, after;        // neighbours in the buffer
     uint32_t list_prev, list_next; // neighbours in the list of the size class, while free; list_next of unused blocks
     bool used;
 } Block;
@@ -137,10 +137,8 @@ static void split(Vram *vram, uint32_t index, uint32_t length) {
     if (rest == VRAM_NONE)
         return;
     Block *block = &vram->blocks[index];
-    vram->blocks[rest] = (Block){.begin = block->begin + length,
-                                 .length = block->length - length,
-                                 .before = index,
-                                 .after = block->after};
+    vram->blocks[rest] = (Block){
+        .begin = block->begin + length, .length = block->length - length, .before = index, .after = block->after};
     if (block->after != VRAM_NONE)
         vram->blocks[block->after].before = rest;
     block->after = rest;

@@ -1,5 +1,5 @@
-// A GL context without a window: what it is, and what is said where there is none that will do. Each case has a process of its
-// own, because the driver reads its environment once.
+// A GL context without a window: what it is, and what is said where there is none that will do. Each case has a process
+// of its own, because the driver reads its environment once.
 #define _POSIX_C_SOURCE 200809L
 #include <pthread.h>
 #include <setjmp.h>
@@ -14,9 +14,9 @@
 
 #include <cmocka.h>
 
-#include "heard.h"
 #include "render/context.h"
 #include "render/gl.h"
+#include "tests/heard.h"
 
 #define SKIP_STATUS 77
 

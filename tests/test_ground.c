@@ -11,17 +11,18 @@
 #include <cmocka.h>
 
 #include "base/log.h"
-#include "cut_support.h"
 #include "render/frame.h"
 #include "render/ground_shade.h"
 #include "render/ground_surface.h"
 #include "render/noise.h"
 #include "terrain/geodesy.h"
+#include "tests/cut_support.h"
 
 #define SIDE 161
 #define DEG GEODESY_RAD_PER_DEG
 
-static const DemGeoref GEOGRAPHIC = {.crs = DEM_CRS_GEOGRAPHIC, .x0 = 20.0, .y0 = 49.5, .dx = 1.0 / 1200, .dy = -1.0 / 1200};
+static const DemGeoref GEOGRAPHIC = {
+    .crs = DEM_CRS_GEOGRAPHIC, .x0 = 20.0, .y0 = 49.5, .dx = 1.0 / 1200, .dy = -1.0 / 1200};
 // The far east of its zone: grid north is 1.9 degrees off true north.
 static const DemGeoref UTM = {
     .crs = DEM_CRS_UTM, .utm_zone = 34, .utm_north = true, .x0 = 690000.0, .y0 = 5500000.0, .dx = 50.0, .dy = -50.0};
@@ -97,7 +98,8 @@ static void a_tilted_plane_has_one_normal(void **state) {
 
 // A lake of 1 km radius, a pond of two cells, sea in the west, all amid rough land.
 static double watery(double east_m, double north_m) {
-    double rough = 40.0 + 10.0 * sin(east_m * 0.02) + 9.0 * cos(north_m * 0.017) + 3.0 * sin(east_m * 0.11 + north_m * 0.07);
+    double rough =
+        40.0 + 10.0 * sin(east_m * 0.02) + 9.0 * cos(north_m * 0.017) + 3.0 * sin(east_m * 0.11 + north_m * 0.07);
     if (hypot(east_m - 6000.0, north_m + 8000.0) < 1000.0)
         return 70.0;
     if (hypot(east_m - 2500.0, north_m + 3000.0) < 120.0)
@@ -127,8 +129,9 @@ static void lakes_and_the_sea_are_water_and_nothing_else(void **state) {
     assert_false(wet_at(&surface, 4000.0, -5000.0));
     assert_true(fabs(wet - expected) < 0.08 * expected);
     // The table of blocks agrees with the cells.
-    uint32_t all = surface.wet_blocks[(size_t)(SIDE / GROUND_BLOCK + 1) * (size_t)surface.wet_width +
-                                      (size_t)surface.wet_width - 1];
+    uint32_t all =
+        surface
+            .wet_blocks[(size_t)(SIDE / GROUND_BLOCK + 1) * (size_t)surface.wet_width + (size_t)surface.wet_width - 1];
     uint32_t counted = 0;
     for (int y = 0; y < SIDE; y += GROUND_BLOCK)
         for (int x = 0; x < SIDE; x += GROUND_BLOCK) {
@@ -255,7 +258,8 @@ static void the_noise_has_no_seam_and_no_offset(void **state) {
         for (int x = 0; x < NOISE_SIDE; x++)
             mean += texels[y][x][0] / (double)(NOISE_SIDE * NOISE_SIDE);
     }
-    print_message("steps: %.2f inside, %.2f across the seam; mean %.1f\n", inside / NOISE_SIDE, across / NOISE_SIDE, mean);
+    print_message("steps: %.2f inside, %.2f across the seam; mean %.1f\n", inside / NOISE_SIDE, across / NOISE_SIDE,
+                  mean);
     assert_true(across < 2.0 * inside);
     assert_true(fabs(mean - 128.0) < 6.0);
 }
@@ -275,7 +279,8 @@ static void nothing_in_view_is_culled(void **state) {
         Vec3d at = camera.eye_ecef, point;
         at = vec3d_add(at, vec3d(support_between(&seed, -1e5, 1e5), support_between(&seed, -1e5, 1e5),
                                  support_between(&seed, -1e5, 1e5)));
-        Vec3d off = vec3d_normalize(vec3d(support_between(&seed, -1, 1), support_between(&seed, -1, 1), support_between(&seed, -1, 1)));
+        Vec3d off = vec3d_normalize(
+            vec3d(support_between(&seed, -1, 1), support_between(&seed, -1, 1), support_between(&seed, -1, 1)));
         point = vec3d_sub(vec3d_mad(at, off, radius), camera.eye_ecef); // on the sphere
         for (int k = 0; k < 3; k++)
             in_camera[k] = camera.camera_from_ecef.m[k][0] * point.x + camera.camera_from_ecef.m[k][1] * point.y +

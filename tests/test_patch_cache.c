@@ -10,10 +10,10 @@
 
 #include <cmocka.h>
 
-#include "gl_support.h"
 #include "render/gl.h"
 #include "render/patch_cache.h"
 #include "render/vram.h"
+#include "tests/gl_support.h"
 
 #define CACHE_BYTES ((size_t)4 << 20)
 #define PAGES 400

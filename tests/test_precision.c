@@ -1,5 +1,6 @@
-// Hard cases 1 and 2 on the GPU: where vertices land on the screen when the Earth is 6.4e6 m across and the eye moves by
-// millimetres, and which of two far planes is in front. Oracles: long double arithmetic of our own, and pictures of each plane alone.
+// Hard cases 1 and 2 on the GPU: where vertices land on the screen when the Earth is 6.4e6 m across and the eye moves
+// by millimetres, and which of two far planes is in front. Oracles: long double arithmetic of our own, and pictures of
+// each plane alone.
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -11,13 +12,13 @@
 
 #include <cmocka.h>
 
-#include "cut_support.h"
-#include "gl_support.h"
 #include "render/frame.h"
 #include "render/gl.h"
 #include "render/render.h"
 #include "render/shader.h"
 #include "terrain/geodesy.h"
+#include "tests/cut_support.h"
+#include "tests/gl_support.h"
 
 #define WIDTH 1280
 #define HEIGHT 800
@@ -140,9 +141,8 @@ static void capture_end(Capture *capture) {
 // The clip coordinates that the GPU gives a lattice point which a page with this origin holds.
 static void capture_clip(const Capture *capture, const Frame *frame, GridPoint origin, GridPoint point, float clip[4]) {
     FrameOffset offset = frame_offset(frame, origin);
-    LodVertex vertex = {.x = (int32_t)(point.x - origin.x),
-                        .y = (int32_t)(point.y - origin.y),
-                        .z = (int32_t)(point.z - origin.z)};
+    LodVertex vertex = {
+        .x = (int32_t)(point.x - origin.x), .y = (int32_t)(point.y - origin.y), .z = (int32_t)(point.z - origin.z)};
     CaptureInstance instance = {.info = 0};
     memcpy(instance.lo, offset.lo, sizeof offset.lo);
     memcpy(instance.hi, offset.hi, sizeof offset.hi);
@@ -227,7 +227,8 @@ static void a_shared_vertex_has_the_same_clip_coordinates_from_every_page(void *
         const Place *place = &PLACES[i % (int)COUNT_OF(PLACES)];
         RenderCamera camera = camera_at(place, support_between(&seed, 1.0, 3e4));
         double metres = pow(10.0, support_between(&seed, 0.0, 6.5));
-        GridPoint point = point_ahead(&camera, metres, support_between(&seed, -0.6, 0.6), support_between(&seed, -0.4, 0.4));
+        GridPoint point =
+            point_ahead(&camera, metres, support_between(&seed, -0.6, 0.6), support_between(&seed, -0.4, 0.4));
         Frame frame = frame_make(&camera, WIDTH, HEIGHT);
         float first[4], other[4];
         capture_clip(&capture, &frame, origin_near(point, OFFSETS_M[0]), point, first);
@@ -253,8 +254,8 @@ typedef struct Plane {
 } Plane;
 
 // A square `half_m` to each side, `metres` ahead, leaning away by `slope` per metre up.
-static void make_plane(Plane *plane, uint64_t id, const RenderCamera *camera, double metres, double half_m, double slope,
-                       uint8_t level) {
+static void make_plane(Plane *plane, uint64_t id, const RenderCamera *camera, double metres, double half_m,
+                       double slope, uint8_t level) {
     GridPoint middle = point_ahead(camera, metres, 0.0, 0.0), origin = origin_near(middle, 3);
     Vec3d right = row(&camera->camera_from_ecef, 0), up = row(&camera->camera_from_ecef, 1);
     Vec3d back = row(&camera->camera_from_ecef, 2), centre = vec3d_mad(camera->eye_ecef, back, -metres);
@@ -262,23 +263,23 @@ static void make_plane(Plane *plane, uint64_t id, const RenderCamera *camera, do
         for (int x = 0; x < PLANE_SIDE; x++) {
             double u = half_m * (2.0 * x / (PLANE_SIDE - 1) - 1.0), v = half_m * (2.0 * y / (PLANE_SIDE - 1) - 1.0);
             Vec3d at = vec3d_mad(vec3d_mad(vec3d_mad(centre, right, u), up, v), back, -v * slope);
-            plane->vertices[y * PLANE_SIDE + x] = (LodVertex){(int32_t)(llrint(at.x * GRID_LATTICE_PER_M) - origin.x),
-                                                              (int32_t)(llrint(at.y * GRID_LATTICE_PER_M) - origin.y),
-                                                              (int32_t)(llrint(at.z * GRID_LATTICE_PER_M) - origin.z),
-                                                              (uint16_t)x, (uint16_t)y};
+            plane->vertices[y * PLANE_SIDE + x] =
+                (LodVertex){(int32_t)(llrint(at.x * GRID_LATTICE_PER_M) - origin.x),
+                            (int32_t)(llrint(at.y * GRID_LATTICE_PER_M) - origin.y),
+                            (int32_t)(llrint(at.z * GRID_LATTICE_PER_M) - origin.z), (uint16_t)x, (uint16_t)y};
         }
     }
     int count = 0;
     for (int y = 0; y < PLANE_SIDE - 1; y++) {
         for (int x = 0; x < PLANE_SIDE - 1; x++) {
-            int a = y * PLANE_SIDE + x, corners[6] = {a,     a + 1,          a + PLANE_SIDE + 1,
-                                                      a,     a + PLANE_SIDE + 1, a + PLANE_SIDE};
+            int a = y * PLANE_SIDE + x,
+                corners[6] = {a, a + 1, a + PLANE_SIDE + 1, a, a + PLANE_SIDE + 1, a + PLANE_SIDE};
             for (int i = 0; i < 6; i++)
                 plane->indices[count++] = (uint16_t)corners[i];
         }
     }
-    plane->page = (LodPage){
-        .id = id, .vertex_count = PLANE_SIDE * PLANE_SIDE, .origin = origin, .vertices = plane->vertices};
+    plane->page =
+        (LodPage){.id = id, .vertex_count = PLANE_SIDE * PLANE_SIDE, .origin = origin, .vertices = plane->vertices};
     plane->item = (LodItem){.page = &plane->page,
                             .revision = id,
                             .indices = plane->indices,
@@ -338,8 +339,7 @@ static Planes planes_begin(void) {
     Planes planes = {.jobs = NULL};
     const DemGeoref georef = {.crs = DEM_CRS_GEOGRAPHIC, .x0 = 20.0, .y0 = 49.5, .dx = 0.001, .dy = -0.001};
     assert_int_equal(jobs_create(2, &planes.jobs), RESULT_OK);
-    planes.terrain =
-        support_terrain(support_rough_dem(33, 33, &georef, 100.0, 1), TERRAIN_ERROR_TOTAL, 8, planes.jobs);
+    planes.terrain = support_terrain(support_rough_dem(33, 33, &georef, 100.0, 1), TERRAIN_ERROR_TOTAL, 8, planes.jobs);
     RenderOptions options = render_default_options();
     options.samples = 1;
     options.vram_bytes_max = (size_t)8 << 20;

@@ -1,4 +1,5 @@
-// Whole frames: no pinhole, one picture for one view, voids and draped images where they belong, and memory that runs out.
+// Whole frames: no pinhole, one picture for one view, voids and draped images where they belong, and memory that runs
+// out.
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <setjmp.h>
@@ -14,12 +15,12 @@
 
 #include "assets/image.h"
 #include "base/arena.h"
-#include "cut_support.h"
-#include "gl_support.h"
-#include "heard.h"
 #include "render/gl.h"
 #include "render/render.h"
 #include "terrain/geodesy.h"
+#include "tests/cut_support.h"
+#include "tests/gl_support.h"
+#include "tests/heard.h"
 
 #define WIDTH 640
 #define HEIGHT 400
@@ -27,7 +28,8 @@
 #define DEG GEODESY_RAD_PER_DEG
 #define FOV_RAD (60.0 * DEG)
 
-static const DemGeoref GEOREF = {.crs = DEM_CRS_GEOGRAPHIC, .x0 = 20.0, .y0 = 49.5, .dx = 1.0 / 1200, .dy = -1.0 / 1200};
+static const DemGeoref GEOREF = {
+    .crs = DEM_CRS_GEOGRAPHIC, .x0 = 20.0, .y0 = 49.5, .dx = 1.0 / 1200, .dy = -1.0 / 1200};
 
 typedef struct Stage {
     Jobs *jobs;
@@ -137,7 +139,8 @@ static int fly_and_count(Stage *stage, int side, int frames, double above_m) {
     int pinholes = 0;
     for (int frame = 0; frame < frames; frame++) {
         double along = (double)frame / frames, place = side * (0.3 + 0.25 * along);
-        RenderPacket packet = packet_at(stage, place, side * 0.4 + place * 0.1, above_m * (1.0 + along), 0.6 + along, 0.5);
+        RenderPacket packet =
+            packet_at(stage, place, side * 0.4 + place * 0.1, above_m * (1.0 + along), 0.6 + along, 0.5);
         packet.magenta_background = true;
         draw(stage, &packet, 0.7 + 2.0 * along);
         pinholes += count_pinholes(stage->rgb);
@@ -200,7 +203,8 @@ static void the_sky_is_blue_and_pales_towards_the_horizon(void **state) {
     Stage stage = stage_rough(65, 100.0, &options);
     RenderPacket packet = packet_at(&stage, 32.0, 32.0, 1500.0, 4.0, 0.0);
     draw(&stage, &packet, 2.0);
-    const uint8_t *top = stage.rgb + WIDTH / 2 * 3, *low = stage.rgb + ((size_t)(HEIGHT * 46 / 100) * WIDTH + WIDTH / 2) * 3;
+    const uint8_t *top = stage.rgb + WIDTH / 2 * 3,
+                  *low = stage.rgb + ((size_t)(HEIGHT * 46 / 100) * WIDTH + WIDTH / 2) * 3;
     print_message("top %d %d %d, above the horizon %d %d %d\n", top[0], top[1], top[2], low[0], low[1], low[2]);
     assert_true(top[2] > top[1] && top[1] > top[0]);
     assert_true(low[0] > top[0] + 40 && low[2] - low[0] < top[2] - top[0]);
@@ -353,8 +357,7 @@ static void an_image_without_a_place_is_refused(void **state) {
     Jobs *jobs = NULL;
     Renderer *renderer = NULL;
     assert_int_equal(jobs_create(1, &jobs), RESULT_OK);
-    Terrain *terrain =
-        support_terrain(support_rough_dem(33, 33, &GEOREF, 20.0, 1), TERRAIN_ERROR_TOTAL, 8, jobs);
+    Terrain *terrain = support_terrain(support_rough_dem(33, 33, &GEOREF, 20.0, 1), TERRAIN_ERROR_TOTAL, 8, jobs);
     Heard heard;
     heard_begin(&heard);
     assert_int_equal(render_create(&options, terrain, &renderer), RESULT_UNSUPPORTED);

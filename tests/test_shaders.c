@@ -1,5 +1,5 @@
-// Every shader compiles in every variant, its uniform blocks lie as their C twins do, and the small preprocessor does what its
-// header says.
+// Every shader compiles in every variant, its uniform blocks lie as their C twins do, and the small preprocessor does
+// what its header says.
 #define _POSIX_C_SOURCE 200809L
 #include <setjmp.h>
 #include <stdarg.h>
@@ -13,13 +13,13 @@
 
 #include <cmocka.h>
 
-#include "gl_support.h"
-#include "heard.h"
 #include "render/drape.h"
 #include "render/frame.h"
 #include "render/gl.h"
 #include "render/ground.h"
 #include "render/shader.h"
+#include "tests/gl_support.h"
+#include "tests/heard.h"
 
 typedef struct Variants {
     const char *stages[2];
@@ -80,8 +80,10 @@ static int offset_in_block(unsigned program, const char *member) {
     return offset;
 }
 
-#define MEMBER(block, Type, name) {#block "." #name, offsetof(Type, name)}
-#define ARRAY(block, Type, name) {#block "." #name "[0]", offsetof(Type, name)}
+#define MEMBER(block, Type, name)                                                                                      \
+    { #block "." #name, offsetof(Type, name) }
+#define ARRAY(block, Type, name)                                                                                       \
+    { #block "." #name "[0]", offsetof(Type, name) }
 
 static void uniform_blocks_lie_as_in_c(void **state) {
     (void)state;
@@ -90,15 +92,15 @@ static void uniform_blocks_lie_as_in_c(void **state) {
         size_t offset;
     } MEMBERS[] = {
         MEMBER(FrameBlock, FrameBlock, clip_from_eye), MEMBER(FrameBlock, FrameBlock, eye_rest_m),
-        MEMBER(FrameBlock, FrameBlock, ray_right),
-        MEMBER(FrameBlock, FrameBlock, ray_up),        MEMBER(FrameBlock, FrameBlock, ray_ahead),
-        MEMBER(FrameBlock, FrameBlock, sun),           MEMBER(FrameBlock, FrameBlock, eye_up),
-        MEMBER(FrameBlock, FrameBlock, sun_side),      MEMBER(FrameBlock, FrameBlock, air),
-        ARRAY(FrameBlock, FrameBlock, light_sun),      ARRAY(FrameBlock, FrameBlock, light_sky),
-        MEMBER(FrameBlock, FrameBlock, mode),          MEMBER(GroundBlock, GroundBlock, texel),
-        MEMBER(GroundBlock, GroundBlock, height),      MEMBER(GroundBlock, GroundBlock, noise),
-        MEMBER(GroundBlock, GroundBlock, globe),       MEMBER(DrapeBlock, DrapeBlock, globe),
-        MEMBER(DrapeBlock, DrapeBlock, map),           MEMBER(DrapeBlock, DrapeBlock, image),
+        MEMBER(FrameBlock, FrameBlock, ray_right),     MEMBER(FrameBlock, FrameBlock, ray_up),
+        MEMBER(FrameBlock, FrameBlock, ray_ahead),     MEMBER(FrameBlock, FrameBlock, sun),
+        MEMBER(FrameBlock, FrameBlock, eye_up),        MEMBER(FrameBlock, FrameBlock, sun_side),
+        MEMBER(FrameBlock, FrameBlock, air),           ARRAY(FrameBlock, FrameBlock, light_sun),
+        ARRAY(FrameBlock, FrameBlock, light_sky),      MEMBER(FrameBlock, FrameBlock, mode),
+        MEMBER(GroundBlock, GroundBlock, texel),       MEMBER(GroundBlock, GroundBlock, height),
+        MEMBER(GroundBlock, GroundBlock, noise),       MEMBER(GroundBlock, GroundBlock, globe),
+        MEMBER(DrapeBlock, DrapeBlock, globe),         MEMBER(DrapeBlock, DrapeBlock, map),
+        MEMBER(DrapeBlock, DrapeBlock, image),
     };
     const ShaderSpec specs[] = {
         {.stages = {"terrain.vert", "terrain.frag"}, .defines = "DRAPE WATER HOLES"},
@@ -147,15 +149,17 @@ static void includes_are_taken_once_and_defines_follow_the_version(void **state)
     assert_int_equal(setenv("OVERFLY_DATA_DIR", folder, 1), 0);
     char *text = NULL, *files = NULL;
     assert_int_equal(shader_expand("a.frag", "HOLES SIZE=12", &text, &files), RESULT_OK);
-    assert_string_equal(text, "#version 450 core\n#define HOLES 1\n#define SIZE 12\n#line 2 0\n"
-                              "#line 1 1\n#line 1 2\nint c;\n#line 2 1\nint b;\n#line 3 0\n#line 4 0\nvoid main() {}\n");
+    assert_string_equal(text,
+                        "#version 450 core\n#define HOLES 1\n#define SIZE 12\n#line 2 0\n"
+                        "#line 1 1\n#line 1 2\nint c;\n#line 2 1\nint b;\n#line 3 0\n#line 4 0\nvoid main() {}\n");
     assert_string_equal(files, "a.frag\nb.glsl\nc.glsl\n");
     free(text);
     free(files);
 
     Heard heard;
     unsigned program = 0;
-    write_file(folder, "bad.frag", "#version 450 core\n#include \"c.glsl\"\nout vec4 colour;\nvoid main() { colour = 3; }\n");
+    write_file(folder, "bad.frag",
+               "#version 450 core\n#include \"c.glsl\"\nout vec4 colour;\nvoid main() { colour = 3; }\n");
     const ShaderSpec bad = {.stages = {"bad.frag"}}, missing = {.stages = {"missing.frag"}};
     heard_begin(&heard);
     assert_int_equal(shader_create_program(&bad, &program), RESULT_DEVICE);

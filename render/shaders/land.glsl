@@ -27,8 +27,10 @@ Land land_at(float h_m, float steep, float north, float open_sky, vec2 lines_m, 
     float tilled = smoothstep(0.010, 0.002, steep) * smoothstep(-0.35, 0.15, mid + 0.6 * large);
     vec3 open_land = mix(meadow, field, 0.75 * tilled) * (1.0 + 0.20 * mid + 0.14 * small);
     vec3 woods = mix(vec3(0.022, 0.044, 0.016), vec3(0.040, 0.066, 0.022), 0.5 + 0.5 * mid) * (1.0 + 0.30 * small);
-    float wooded = smoothstep(-0.07 * spread, 0.07 * spread, (steep - 0.026) * 3.2 + large * 0.17 + mid * 0.13 + small * 0.05);
-    float tree_share = smoothstep(80.0 * spread, -80.0 * spread, h_m - lines_m.x + wander_m) * smoothstep(0.46, 0.34, steep);
+    float shelter = (steep - 0.026) * 3.2 + large * 0.17 + mid * 0.13 + small * 0.05;
+    float wooded = smoothstep(-0.07 * spread, 0.07 * spread, shelter);
+    float tree_share = smoothstep(80.0 * spread, -80.0 * spread, h_m - lines_m.x + wander_m);
+    tree_share *= smoothstep(0.46, 0.34, steep);
     vec3 albedo = mix(open_land, woods, wooded * tree_share);
 
     // Above the trees: grass that thins out to scree and rock.
@@ -37,13 +39,15 @@ Land land_at(float h_m, float steep, float north, float open_sky, vec2 lines_m, 
     albedo = mix(albedo, grass, alpine);
     vec3 rock = mix(vec3(0.086, 0.084, 0.070), vec3(0.158, 0.156, 0.134), 0.5 + 0.5 * (0.6 * mid + 0.6 * small));
     float above = clamp((h_m - lines_m.x + wander_m) / max(lines_m.y - lines_m.x, 300.0), 0.0, 1.0);
-    float bare = smoothstep(-0.05 * spread, 0.05 * spread, steep - mix(0.25, 0.08, above) + mid * 0.035 + small * 0.03);
+    float too_steep = steep - mix(0.25, 0.08, above) + mid * 0.035 + small * 0.03;
+    float bare = smoothstep(-0.05 * spread, 0.05 * spread, too_steep);
     bare = max(bare, smoothstep(0.50, 0.95, above + 0.25 * mid));
     albedo = mix(albedo, rock, bare);
 
     // Snow lies where it is high, not steep, and in the hollows.
     float snow_m = h_m - lines_m.y + wander_m * 0.8 + north * 260.0 + (0.72 - open_sky) * 600.0 - steep * 900.0;
-    float snow = smoothstep(10.0 - 100.0 * spread, 10.0 + 100.0 * spread, snow_m) * smoothstep(0.62, 0.40, steep + 0.08 * small);
+    float snow = smoothstep(10.0 - 100.0 * spread, 10.0 + 100.0 * spread, snow_m);
+    snow *= smoothstep(0.62, 0.40, steep + 0.08 * small);
     albedo = mix(albedo, vec3(0.60, 0.63, 0.66), snow);
 
     return Land(albedo, mix(0.8 + 0.6 * bare, 0.25, snow));

@@ -7,7 +7,8 @@ float dither(vec2 pixel) {
     return (fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715)))) - 0.5) / 255.0;
 }
 
-// A film's shoulder and foot: the form of K. Narkowicz's fit to the Academy's curve, with a foot that keeps shadows open.
+// A film's shoulder and foot: the form of K. Narkowicz's fit to the Academy's curve, with a foot that keeps shadows
+// open.
 vec3 film(vec3 x) {
     return clamp((x * (2.51 * x + 0.15)) / (x * (2.43 * x + 0.70) + 0.14), 0.0, 1.0);
 }
