@@ -39,14 +39,12 @@ static Result open_context(Fly *fly) {
     Result result = context_create_window(&wanted, &fly->context);
     if (result == RESULT_OK)
         return result;
-    log_warn("no window: run overfly in a desktop session, log in with 'ssh -X', or give it a virtual display: "
-             "xvfb-run -a -s '-screen 0 1280x800x24' overfly ...");
-    if (!ends_by_itself(fly->options)) {
-        log_error("a flight that is steered needs a window; 'overfly fly --no-window --demo --pictures DIR' flies and "
-                  "writes pictures without one");
+    log_info("For a window: run overfly in a desktop session, log in with 'ssh -X', or give it a virtual display:\n"
+             "  xvfb-run -a -s '-screen 0 1280x800x24' overfly ...\n"
+             "Without one: overfly fly --no-window --demo --pictures DIR");
+    if (!ends_by_itself(fly->options))
         return result;
-    }
-    log_warn("flying on without a window, as with --no-window");
+    log_warn("flying on without a window, as with --no-window, because this flight ends by itself");
     fly->window = false;
     return context_create_offscreen(&wanted, &fly->context);
 }

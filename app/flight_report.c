@@ -27,6 +27,7 @@ static void add_aircraft(Json *json, const FlightSession *session) {
     json_add_number(json, "vertical_speed_m_s", now.vertical_speed_m_s);
     json_add_number(json, "throttle", session->flight.state.throttle);
     json_add_text(json, "contact", contact_name(session->flight.state.contact));
+    json_add_integer(json, "crashes", session->crashes);
     json_add_bool(json, "demo", session->demo_flies);
 }
 

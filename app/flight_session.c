@@ -120,6 +120,7 @@ static void step(FlightSession *session) {
         controls = demo_fly(&session->demo, &session->flight);
     FlightContact before = session->flight.state.contact;
     flight_step(&session->flight, &controls, FLIGHT_STEP_S);
+    session->crashes += before != FLIGHT_CRASHED && session->flight.state.contact == FLIGHT_CRASHED;
     if (before == FLIGHT_CRASHED && session->flight.state.contact != FLIGHT_CRASHED)
         keyboard_set_throttle(&session->keyboard, session->flight.state.throttle);
     if (session->demo_flies && demo_is_over(&session->demo))

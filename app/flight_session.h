@@ -19,6 +19,7 @@ typedef struct FlightSession {
     Keyboard keyboard;
     Demo demo;
     bool demo_flies;
+    int crashes;
     bool screenshot_wanted, leave_wanted; // by a key; the caller takes them back
     Vec3d sun_ecef;                       // unit
     char message[PIPELINE_MESSAGE_BYTES];

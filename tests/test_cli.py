@@ -207,6 +207,7 @@ def a_flight_starts_in_the_air_wherever_it_is_asked_to(cli):
         raise Fault(f"{report['speed_m_s']} m/s towards {report['heading_deg']}")
     report = cli.json("fly", *SMALL, "--no-window", "--lockstep", "--frames", "60", "--speed", "10000", "--eye",
                       "36.6,-84.2,9000")
+    expect("crashes", report["crashes"], 0)
     for name in ("lat_deg", "lon_deg", "alt_m", "speed_m_s"):
         if not isinstance(report[name], float):
             raise Fault(f"{name} is {report[name]!r} after a second at 10 km/s")
