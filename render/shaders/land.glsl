@@ -22,8 +22,8 @@ Land land_at(float h_m, float steep, float north, float open_sky, vec2 lines_m, 
     float wander_m = large * 160.0 + mid * 120.0 + small * 40.0;
 
     // Lowland: meadow and fields where level, woods on the slopes and in patches.
-    vec3 meadow = mix(vec3(0.080, 0.115, 0.030), vec3(0.130, 0.140, 0.048), 0.5 + 0.5 * large);
-    vec3 field = mix(vec3(0.062, 0.105, 0.026), vec3(0.220, 0.185, 0.085), middle.a * middle.a);
+    vec3 meadow = mix(vec3(0.080, 0.113, 0.036), vec3(0.130, 0.138, 0.056), 0.5 + 0.5 * large);
+    vec3 field = mix(vec3(0.062, 0.102, 0.032), vec3(0.220, 0.187, 0.095), middle.a * middle.a);
     float tilled = smoothstep(0.010, 0.002, steep) * smoothstep(-0.35, 0.15, mid + 0.6 * large);
     vec3 open_land = mix(meadow, field, 0.75 * tilled) * (1.0 + 0.20 * mid + 0.14 * small);
     vec3 woods = mix(vec3(0.022, 0.044, 0.016), vec3(0.040, 0.066, 0.022), 0.5 + 0.5 * mid) * (1.0 + 0.30 * small);

@@ -30,7 +30,8 @@ March march_ray(sampler2D transmittance, sampler2D multiple, float with_multiple
         if (with_multiple > 0.0)
             light += with_multiple * multiple_light(multiple, h, mu_sun_there) * all;
         vec3 passes = exp(-air.extinction * step_km);
-        vec3 kept = march.transmittance * (1.0 - passes) / air.extinction; // light of the step that reaches the eye
+        // Light of the step that reaches the eye; where there is no air left, none is scattered either.
+        vec3 kept = march.transmittance * (1.0 - passes) / max(air.extinction, vec3(1e-20));
         march.light += light * kept;
         march.share += all * kept;
         march.transmittance *= passes;
