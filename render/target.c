@@ -38,6 +38,9 @@ void target_destroy(Target *target) {
 }
 
 void target_blit_colour(const Target *target, unsigned framebuffer) {
+    // Mesa asks a window for its size anew only when the viewport is set while the window is bound.
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
+    glViewport(0, 0, target->width, target->height);
     glBlitNamedFramebuffer(target->framebuffer, framebuffer, 0, 0, target->width, target->height, 0, 0, target->width,
                            target->height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
 }
