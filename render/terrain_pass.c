@@ -209,13 +209,37 @@ static Result place_cut(TerrainPass *pass, PatchCache *cache, const Frame *frame
                        count_fitting(pass->in_view, count, patch_cache_capacity(cache)));
 }
 
-static int compare_visible(const void *a, const void *b) {
-    const Visible *left = a, *right = b;
-    if (left->wet != right->wet)
-        return left->wet ? 1 : -1;
-    if (left->distance_m != right->distance_m)
-        return left->distance_m < right->distance_m ? -1 : 1;
-    return left->index - right->index;
+// Dry before wet, near before far.
+static bool comes_before(const Visible *a, const Visible *b) {
+    if (a->wet != b->wet)
+        return b->wet;
+    if (a->distance_m != b->distance_m)
+        return a->distance_m < b->distance_m;
+    return a->index < b->index;
+}
+
+static void sift_down(Visible *heap, int32_t root, int32_t count) {
+    Visible moved = heap[root];
+    for (int32_t child; (child = 2 * root + 1) < count; root = child) {
+        if (child + 1 < count && comes_before(&heap[child], &heap[child + 1]))
+            child++;
+        if (!comes_before(&moved, &heap[child]))
+            break;
+        heap[root] = heap[child];
+    }
+    heap[root] = moved;
+}
+
+// A heap sort, because qsort may ask the system for memory, and a frame shall not.
+static void sort_visible(Visible *items, int32_t count) {
+    for (int32_t root = count / 2 - 1; root >= 0; root--)
+        sift_down(items, root, count);
+    for (int32_t end = count - 1; end > 0; end--) {
+        Visible last = items[end];
+        items[end] = items[0];
+        items[0] = last;
+        sift_down(items, 0, end);
+    }
 }
 
 static void find_visible(TerrainPass *pass, const Frame *frame) {
@@ -228,7 +252,7 @@ static void find_visible(TerrainPass *pass, const Frame *frame) {
         pass->visible[pass->visible_count++] = (Visible){placed->wet, distance, i};
         pass->dry_count += !placed->wet;
     }
-    qsort(pass->visible, (size_t)pass->visible_count, sizeof *pass->visible, compare_visible);
+    sort_visible(pass->visible, pass->visible_count);
 }
 
 // Whole repeats are dropped here, in double, so that what remains is exact to a millimetre.

@@ -309,6 +309,59 @@ static void voids_are_holes_where_asked_for(void **state) {
     stage_end(&stage);
 }
 
+// --- memory: this program's own allocations, counted while a frame is drawn (see tests/CMakeLists.txt)
+
+static struct {
+    bool counting;
+    int allocations;
+} memory;
+
+void *__real_malloc(size_t bytes);
+void *__real_calloc(size_t count, size_t bytes);
+void *__real_realloc(void *block, size_t bytes);
+void *__wrap_malloc(size_t bytes);
+void *__wrap_calloc(size_t count, size_t bytes);
+void *__wrap_realloc(void *block, size_t bytes);
+
+void *__wrap_malloc(size_t bytes) {
+    memory.allocations += memory.counting;
+    return __real_malloc(bytes);
+}
+
+void *__wrap_calloc(size_t count, size_t bytes) {
+    memory.allocations += memory.counting;
+    return __real_calloc(count, bytes);
+}
+
+void *__wrap_realloc(void *block, size_t bytes) {
+    memory.allocations += memory.counting;
+    return __real_realloc(block, bytes);
+}
+
+static void a_frame_allocates_nothing_after_the_first_flight(void **state) {
+    (void)state;
+    const RenderOptions options = options_for_tests();
+    Stage stage = stage_rough(513, 1500.0, &options);
+    for (int flight = 0; flight < 2; flight++) {
+        for (int frame = 0; frame < 40; frame++) {
+            RenderPacket packet = packet_at(&stage, 150.0 + 4.0 * frame, 250.0, 400.0, 0.1 * frame, 0.2);
+            LodView view = {.eye_ecef = packet.camera.eye_ecef,
+                            .forward_ecef = {1.0, 0.0, 0.0},
+                            .px_per_rad = HEIGHT / (2.0 * tan(FOV_RAD * 0.5)),
+                            .tau_px = 1.0};
+            arena_reset(stage.arena);
+            assert_int_equal(lod_update(stage.lod, &view, stage.jobs, stage.arena, &packet.cut), RESULT_OK);
+            memory.counting = flight == 1;
+            assert_int_equal(render_frame(stage.renderer, &packet, &stage.stats), RESULT_OK);
+            memory.counting = false;
+            lod_release(stage.lod, packet.cut.frame);
+        }
+    }
+    print_message("%d allocations\n", memory.allocations);
+    stage_end(&stage);
+    assert_int_equal(memory.allocations, 0);
+}
+
 // Left half red, right half blue.
 static void write_two_colours(const char *path) {
     uint8_t pixels[64][64][3];
@@ -382,6 +435,7 @@ int main(void) {
         cmocka_unit_test(a_cut_too_large_for_the_memory_leaves_the_last_one),
         cmocka_unit_test(what_is_in_view_is_enough),
         cmocka_unit_test(a_first_cut_too_large_is_drawn_in_part),
+        cmocka_unit_test(a_frame_allocates_nothing_after_the_first_flight),
         cmocka_unit_test(voids_are_holes_where_asked_for),
         cmocka_unit_test(a_draped_image_lies_in_its_bounds),
         cmocka_unit_test(an_image_without_a_place_is_refused),
