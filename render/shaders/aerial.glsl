@@ -19,7 +19,7 @@ float mean_density(float a, float b, float drop_km, float fall_km) {
 }
 
 // Eyes adapt to haze and cameras are filtered: near land is shown somewhat clearer than the air leaves it.
-const float CLEARER = 0.65;
+const float CLEARER = 0.55;
 
 struct Aerial {
     vec3 passes; // share of the point's light that arrives

@@ -17,10 +17,15 @@ vec3 globe_light(vec3 look, vec3 direction, float metres) {
     vec3 up = normalize(at * ROUND), axis = abs(up);
     vec2 plane = axis.z > max(axis.x, axis.y) ? at.xy : axis.x > axis.y ? at.yz : at.xz;
     vec4 coarse = texture(noise_map, plane / 410.0), middle = texture(noise_map, plane / 37.0);
+    vec4 fine = texture(noise_map, plane / 4.3);
     float sun_height = max(dot(up, frame.sun.xyz), 0.0);
-    vec3 sun_light = frame.light_sun[0].rgb, sky_light = frame.light_sky[0].rgb;
-    vec3 irradiance = (sun_light * sun_height + sky_light) / PI;
-    vec3 land = mix(vec3(0.062, 0.085, 0.028), vec3(0.118, 0.134, 0.050), coarse.r * 0.6 + middle.r * 0.4) * irradiance;
+    vec3 sun_light = frame.light_sun[0].rgb, sky_light = frame.light_sky[0].rgb * SHADOW_FILL;
+    vec3 irradiance = (sun_light * sun_height + sky_light * 0.6) / PI;
+    // Woods and meadows of no particular place, in the colours of the land.
+    float border = 0.5 + metres * 1e-5; // from far away they run into each other
+    float wooded = smoothstep(-border, border, (coarse.r + middle.r + fine.r) * 2.0 - 3.0);
+    vec3 land = mix(vec3(0.105, 0.126, 0.046), vec3(0.034, 0.058, 0.020), wooded) * irradiance;
+    land *= 0.85 + 0.3 * fine.r;
     vec3 deep = vec3(0.006, 0.022, 0.038) * irradiance;
     vec3 mirrored = textureLod(sky_radiance, sky_coordinates(reflect(direction, normalize(up * ROUND))), 0.0).rgb;
     vec3 side = normalize(vec3(-up.y, up.x + 1e-9, 0.0)), ahead = cross(up, side);

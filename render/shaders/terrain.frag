@@ -8,17 +8,13 @@
 #include "land.glsl"
 #include "water.glsl"
 #include "tone.glsl"
-#include "tint.glsl"
 #include "drape.glsl"
 
 layout(location = 0) in vec3 at_m;
 layout(location = 1) in vec4 at_ground;
-layout(location = 2) flat in uint info;
+layout(location = 2) flat in vec3 tint;
 
 layout(location = 0) out vec4 colour;
-
-// Screens show less range than eyes see; without help, slopes in the shade would be black.
-const float SHADOW_FILL = 1.7;
 
 struct Local { // unit vectors in ECEF
     vec3 east, north, up;
@@ -70,7 +66,7 @@ void main() {
     land.albedo = drape_over(land.albedo, at_ground.xy, middle.r + fine.r - 1.0);
 #endif
     if (frame.mode.x != COLOUR_LAND)
-        land.albedo = tint_of(info);
+        land.albedo = tint;
 
     vec2 bump = (middle.gb * 2.0 - 1.0) * 0.16 + (fine.gb * 2.0 - 1.0) * 0.22;
     vec3 lit_normal = normalize(normal + vec3(bump.x, -bump.y, 0.0) * land.rough * normal.z);
@@ -82,7 +78,7 @@ void main() {
     float open_sky = cell.b * (0.5 + 0.5 * lit_normal.z);
     vec3 direct = sun_light * max(dot(lit_normal, sun), 0.0) * lit;
     // Light from the ground around, as bright as the ground itself on average.
-    vec3 bounced = land.albedo * (sun_light * max(sun.z, 0.0) + sky_light) * (1.0 - 0.8 * cell.b) * 0.5;
+    vec3 bounced = land.albedo * (sun_light * max(sun.z, 0.0) + sky_light) * (1.0 - 0.8 * cell.b) * 0.8;
     vec3 radiance = land.albedo / PI * (direct + sky_light * open_sky + bounced);
 
     vec3 direction = round_m / metres;

@@ -2,6 +2,9 @@
 // Units: radiance relative to the sun's irradiance in; 0 .. 1 with the sRGB curve out.
 #include "frame.glsl"
 
+// Screens show less range than eyes see; without help from the sky's light, slopes in the shade would be black.
+const float SHADOW_FILL = 2.2;
+
 // Half a step of the screen's 255, differently for each pixel: gradients without bands.
 float dither(vec2 pixel) {
     return (fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715)))) - 0.5) / 255.0;

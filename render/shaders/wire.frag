@@ -4,7 +4,7 @@
 
 layout(location = 0) in vec3 at_m;
 layout(location = 1) in vec4 at_ground;
-layout(location = 2) flat in uint info;
+layout(location = 2) flat in vec3 tint;
 
 layout(location = 0) out vec4 colour;
 
