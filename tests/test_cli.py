@@ -184,6 +184,16 @@ def without_a_display_it_says_how_to_get_a_window(cli):
     expect("window", json.loads(run.out)["window"], False)
 
 
+def an_old_opengl_is_named_beside_what_is_needed(cli):
+    run = cli.run("snapshot", *SMALL, "-o", "old.png", MESA_GL_VERSION_OVERRIDE="3.3")
+    if run.code == 0:
+        return  # not Mesa: the variable does nothing
+    expect(f"exit status, having said {run.err!r}", run.code, 1)
+    expect_in("what was found", "3.3", run.err)
+    expect_in("what is needed", "4.5", run.err)
+    expect("a picture all the same", os.path.exists(cli.path("old.png")), False)
+
+
 def signals_end_a_flight_cleanly(cli):
     for name in ("SIGINT", "SIGTERM"):
         process = cli.start("fly", *SMALL, "--no-window", "--json", "--pictures", "begun", "--picture-count", "1")
@@ -227,7 +237,8 @@ CASES = [help_is_instant_and_complete, help_comes_even_with_a_damaged_file, wron
          a_damaged_file_is_named_with_its_line, sources_win_in_order, missing_files_are_named,
          a_snapshot_is_the_same_each_time, a_flight_repeats_in_lockstep, overlapped_stages_draw_what_lockstep_draws,
          pictures_are_spread_over_the_flight, without_a_display_it_says_how_to_get_a_window,
-         signals_end_a_flight_cleanly, a_flight_starts_in_the_air_wherever_it_is_asked_to, a_full_disk_is_an_error]
+         an_old_opengl_is_named_beside_what_is_needed, signals_end_a_flight_cleanly,
+         a_flight_starts_in_the_air_wherever_it_is_asked_to, a_full_disk_is_an_error]
 
 
 def main():
