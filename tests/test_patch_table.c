@@ -1,4 +1,4 @@
-// The table of what lies in the patch cache, beside a model: a plain list in order of use that is searched from end to end.
+// The table of what lies in the patch cache, beside a model: a plain list in order of use, searched from end to end.
 #include <inttypes.h>
 #include <setjmp.h>
 #include <stdarg.h>
