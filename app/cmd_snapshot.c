@@ -10,6 +10,8 @@
 
 #include <stdio.h>
 
+#define SAMPLES 4 // a pixel: one picture may take its time
+
 typedef struct Snapshot {
     const Options *options;
     const char *output;
@@ -52,6 +54,8 @@ static Result start_pipeline(Snapshot *snapshot) {
                                 .jobs = snapshot->world.jobs,
                                 .context = snapshot->context};
     pipeline.render.measure_times = true;
+    if (pipeline.render.samples == 0)
+        pipeline.render.samples = SAMPLES;
     return pipeline_create(&pipeline, &snapshot->pipeline);
 }
 

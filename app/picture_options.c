@@ -22,6 +22,7 @@ RenderOptions picture_render_options(const Options *options, const World *world)
     bool image_given = options_is_set(options, OPTION_IMAGE);
     render.width = (int)size[0];
     render.height = (int)size[1];
+    render.samples = (int)options_integer(options, OPTION_SAMPLES);
     render.vram_bytes_max = (size_t)options_integer(options, OPTION_VRAM);
     render.image_path = image_given ? options_text(options, OPTION_IMAGE) : world->scene.image;
     if (options_is_set(options, OPTION_IMAGE_BOUNDS))

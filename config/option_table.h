@@ -60,6 +60,8 @@
     X(IMAGE, "image", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMANDS_PICTURE, "picture draped over the terrain")          \
     X(IMAGE_BOUNDS, "image-bounds", 0, BOUNDS, "W,S,E,N", NULL, 0, 0, NULL, COMMANDS_PICTURE,                          \
       "degrees, for pictures without georeference")                                                                    \
+    X(SAMPLES, "samples", 0, INTEGER, "N", "0", 0, 16, NULL, COMMANDS_PICTURE,                                         \
+      "a pixel, against jagged edges; 0: 4, but 1 flying with a software renderer")                                    \
     X(VRAM, "vram", 0, BYTES, "BYTES", "256M", 1048576, 1e12, NULL, COMMANDS_PICTURE, "limit of the patch cache")      \
     X(HUD, "hud", 0, FLAG, NULL, "true", 0, 0, NULL, COMMAND_FLY, "draw the flight instruments and numbers")           \
     X(DEBUG_GL, "debug-gl", 0, FLAG, NULL, "false", 0, 0, NULL, COMMANDS_PICTURE, "log what the GL driver reports")    \

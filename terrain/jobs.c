@@ -111,19 +111,24 @@ int jobs_worker_count(const Jobs *jobs) {
     return jobs->worker_count;
 }
 
-void jobs_run(Jobs *jobs, int64_t count, int64_t grain, JobsTask *task, void *user) {
-    if (count <= 0)
-        return;
-    if (jobs->started == 0 || count <= grain) {
-        task(user, 0, count, 0);
-        return;
-    }
-    pthread_mutex_lock(&jobs->lock);
+static void begin_range(Jobs *jobs, int64_t count, int64_t grain, JobsTask *task, void *user) {
     jobs->task = task;
     jobs->user = user;
     jobs->count = count;
     jobs->grain = grain > 0 ? grain : 1;
     atomic_store_explicit(&jobs->next, 0, memory_order_relaxed);
+}
+
+void jobs_run(Jobs *jobs, int64_t count, int64_t grain, JobsTask *task, void *user) {
+    if (count <= 0)
+        return;
+    if (jobs->started == 0 || count <= grain) { // nobody to share with; the pieces are the same
+        begin_range(jobs, count, grain, task, user);
+        run_pieces(jobs, 0);
+        return;
+    }
+    pthread_mutex_lock(&jobs->lock);
+    begin_range(jobs, count, grain, task, user);
     jobs->busy = jobs->started;
     jobs->round++;
     pthread_cond_broadcast(&jobs->work_ready);
