@@ -44,6 +44,18 @@ void bench_add_machine(Json *parent) {
 #endif
 }
 
+int64_t bench_resident_bytes(void) {
+    FILE *file = fopen("/proc/self/status", "r");
+    char line[128];
+    long long kib = 0;
+    while (file && fgets(line, sizeof line, file))
+        if (sscanf(line, "RssAnon: %lld kB", &kib) == 1)
+            break;
+    if (file)
+        fclose(file);
+    return (int64_t)kib * 1024;
+}
+
 void bench_add_percentiles(Json *parent, const char *name, double *values, int count) {
     statistics_sort(values, count);
     Json *object = json_add_object(parent, name);

@@ -13,6 +13,9 @@ MUST_USE Result bench_refine(const Options *options);
 // "machine": processor, processors, compiler, build.
 void bench_add_machine(Json *parent);
 
+// Bytes of the program's memory that hold no file, now; 0 where the system does not tell.
+int64_t bench_resident_bytes(void);
+
 // {p50, p99, max} of `count` values, which are sorted.
 void bench_add_percentiles(Json *parent, const char *name, double *values, int count);
 

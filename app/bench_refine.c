@@ -41,6 +41,8 @@ typedef struct Bench {
     double *update_ms, *full_ns;
     int frames, full_count;
     bool equal, promised;
+    double load_ms;
+    int64_t resident_bytes; // once loaded
     double reached_px;
 } Bench;
 
@@ -184,6 +186,11 @@ static Result fly(Bench *bench) {
     return result;
 }
 
+static double samples(const Bench *bench) {
+    const Dem *dem = terrain_dem(bench->world.terrain);
+    return (double)dem->width * dem->height;
+}
+
 static Result print_json(Bench *bench) {
     const Totals *t = &bench->totals;
     double n = t->frames;
@@ -203,6 +210,9 @@ static Result print_json(Bench *bench) {
     json_add_number(json, "patches_reused_share", t->reused / n);
     json_add_number(json, "triangles_rebuilt_share", t->rebuilt / n);
     json_add_number(json, "vertices_evaluated_share", t->evaluated / n);
+    json_add_number(json, "load_ms", bench->load_ms);
+    json_add_number(json, "bytes_per_sample", (double)terrain_sample_bytes(bench->world.terrain) / samples(bench));
+    json_add_number(json, "resident_bytes_per_sample", (double)bench->resident_bytes / samples(bench));
     bench_add_percentiles(json, "update_ms", bench->update_ms, t->frames);
     json_add_number(json, "full_ns_per_triangle", statistics_percentile(bench->full_ns, bench->full_count, 0.5));
     json_add_number(json, "index_bytes_per_frame", t->index_bytes / n);
@@ -219,6 +229,8 @@ static void print_text(Bench *bench) {
     printf("%s, tau %g px (%g reached), %d frames at %g m/s, %d threads\n", options_text(bench->options, OPTION_METHOD),
            options_number(bench->options, OPTION_TAU), bench->reached_px, t->frames, bench->flight.speed_m_s,
            jobs_worker_count(bench->world.jobs));
+    printf("loaded           in %.0f ms, %.2f bytes a sample\n", bench->load_ms,
+           (double)terrain_sample_bytes(bench->world.terrain) / samples(bench));
     printf("triangles        %.0f in %.0f patches\n", t->triangles / n, t->patches / n);
     printf("patches reused   %.1f %%\n", 100.0 * t->reused / n);
     printf("rebuilt          %.1f %% of the triangles, %.0f bytes of indices a frame\n", 100.0 * t->rebuilt / n,
@@ -243,7 +255,10 @@ Result bench_refine(const Options *options) {
     Bench bench = {.options = options, .frames = (int)options_integer(options, OPTION_FRAMES), .equal = true};
     if (bench.frames == 0)
         bench.frames = 600;
+    int64_t begin = clock_now_ns();
     Result result = world_load(options, &bench.world);
+    bench.load_ms = (double)(clock_now_ns() - begin) * 1e-6;
+    bench.resident_bytes = bench_resident_bytes();
     if (result == RESULT_OK)
         result = prepare(&bench);
     if (result == RESULT_OK)

@@ -132,6 +132,35 @@ static void test_a_flight_over_puget_sound_has_no_cracks(void **state) {
 
 // ---- views that change nothing ----
 
+// Level flight, 100 m/s at 60 Hz, 500 m above the ground at its start: what sections 4.3 and 5 of the paper promise.
+static void test_most_patches_are_reused_at_100_metres_a_second(void **state) {
+    (void)state;
+    Jobs *jobs;
+    Geoid *geoid = NULL;
+    assert_int_equal(jobs_create(2, &jobs), RESULT_OK);
+    Terrain *terrain = support_shared_terrain("tatra_srtm3_2401.tif", &geoid, jobs);
+    if (!terrain) {
+        jobs_destroy(&jobs);
+        skip();
+    }
+    Flight flight = flight_begin(terrain, jobs, true);
+    Vec3d eye = support_eye(terrain, 1200.0, 1300.0, 500.0);
+    Vec3d step = vec3d_scale(vec3d_normalize(vec3d(-eye.y, eye.x, 0.0)), 100.0 / 60.0);
+    double reused = 0.0;
+    for (int frame = 0; frame < 120; frame++, eye = vec3d_add(eye, step)) {
+        LodView view = support_view(eye, 1.0);
+        flight_update(&flight, &view);
+        const LodStats *s = &flight.cut.stats;
+        reused += frame ? (double)s->patches_reused / (double)s->patches / 119.0 : 0.0;
+    }
+    print_message("%.1f %% of patches reused\n", 100.0 * reused);
+    assert_true(reused >= 0.8);
+    flight_end(&flight);
+    terrain_destroy(&terrain);
+    geoid_close(&geoid);
+    jobs_destroy(&jobs);
+}
+
 static void test_turning_the_head_changes_no_triangle(void **state) {
     (void)state;
     Jobs *jobs;
@@ -188,6 +217,7 @@ int main(void) {
         cmocka_unit_test(test_a_flight_over_rough_ground_has_no_cracks),
         cmocka_unit_test(test_a_flight_over_the_tatra_has_no_cracks),
         cmocka_unit_test(test_a_flight_over_puget_sound_has_no_cracks),
+        cmocka_unit_test(test_most_patches_are_reused_at_100_metres_a_second),
         cmocka_unit_test(test_turning_the_head_changes_no_triangle),
         cmocka_unit_test(test_a_dem_shifted_by_a_turn_gives_the_same_cut),
     };

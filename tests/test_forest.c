@@ -121,6 +121,20 @@ static void test_patch_errors_cover_what_their_pages_lack(void **state) {
     jobs_destroy(&jobs);
 }
 
+static void test_a_sample_takes_less_than_twelve_bytes(void **state) {
+    (void)state;
+    const DemGeoref georef = {DEM_CRS_GEOGRAPHIC, 0, false, 7.0, 46.0, 0.001, -0.0008};
+    Jobs *jobs;
+    assert_int_equal(jobs_create(1, &jobs), RESULT_OK);
+    Terrain *terrain =
+        support_terrain(support_rough_dem(1025, 900, &georef, 800.0, SEED), TERRAIN_ERROR_TOTAL, 12, jobs);
+    double bytes = (double)terrain_sample_bytes(terrain) / (1025.0 * 900.0);
+    print_message("%.2f bytes a sample\n", bytes);
+    assert_true(bytes < 12.0);
+    terrain_destroy(&terrain);
+    jobs_destroy(&jobs);
+}
+
 static void test_index_lists_do_not_overlap_and_are_reused(void **state) {
     (void)state;
     IndexPool pool = {0};
@@ -189,6 +203,7 @@ int main(void) {
         cmocka_unit_test(test_tiles_cover_every_cell_once),
         cmocka_unit_test(test_a_full_patch_covers_its_triangle_once),
         cmocka_unit_test(test_patch_errors_cover_what_their_pages_lack),
+        cmocka_unit_test(test_a_sample_takes_less_than_twelve_bytes),
         cmocka_unit_test(test_index_lists_do_not_overlap_and_are_reused),
         cmocka_unit_test(test_two_partitions_are_the_sides_of_the_plane_of_sight),
         cmocka_unit_test(test_sectors_share_the_predicted_work),
