@@ -62,8 +62,7 @@ static void destroy_offscreen(Context *context) {
 
 static Result make_offscreen_current(Context *context) {
     EglContext *self = (EglContext *)context;
-    if (!eglBindAPI(EGL_OPENGL_API) ||
-        !eglMakeCurrent(self->display, EGL_NO_SURFACE, EGL_NO_SURFACE, self->context)) {
+    if (!eglBindAPI(EGL_OPENGL_API) || !eglMakeCurrent(self->display, EGL_NO_SURFACE, EGL_NO_SURFACE, self->context)) {
         log_error("the OpenGL context cannot be used on this thread: %s", egl_error_name(eglGetError()));
         return RESULT_DEVICE;
     }
