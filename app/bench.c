@@ -1,8 +1,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include "app/bench.h"
 
-#include "app/command.h"
-#include "base/log.h"
 #include "base/statistics.h"
 
 #include <stdio.h>
@@ -88,15 +86,4 @@ void bench_fill_rough(float *height_m, int side) {
             height_m[(size_t)row * (size_t)side + (size_t)col] = sum;
         }
     }
-}
-
-Result cmd_bench(const Options *options) {
-    const char *kind = options_positional_count(options) ? options_positionals(options)[0] : "";
-    if (strcmp(kind, "preprocess") == 0)
-        return bench_preprocess(options);
-    if (strcmp(kind, "refine") == 0)
-        return bench_refine(options);
-    log_error("bench: expected 'preprocess' or 'refine', found '%s'; for example: overfly bench refine --tau 1 --json",
-              kind);
-    return RESULT_USAGE;
 }
