@@ -74,7 +74,7 @@ static Result check_readable(const char *path, int64_t *bytes) {
     struct stat status;
     if (stat(path, &status) || (S_ISREG(status.st_mode) && access(path, R_OK))) {
         int cause = errno;
-        log_error("%s: %s", path, strerror(cause));
+        log_error("%s: %s; %s", path, strerror(cause), cause == EACCES ? "make it readable" : "check the path");
         return cause == ENOENT || cause == ENOTDIR ? RESULT_NOT_FOUND : RESULT_IO;
     }
     if (!S_ISREG(status.st_mode)) {
@@ -103,8 +103,8 @@ Result image_open(const char *path, const char *format, ImageFile **out) {
     strcpy(file->path, path);
     result = module->open(path, format, &file->reader, &file->spec, &error);
     if (result != RESULT_OK) {
-        log_error("%s: cannot be opened as %s: %s; fetch or export it again", path, format ? format : "an image",
-                  error.text);
+        log_error("%s: cannot be opened as %s: %s; %s", path, format ? format : "an image", error.text,
+                  format ? "fetch or export it again" : "give a PNG, a JPEG or a GeoTIFF, or fetch it again");
         free(file);
         return result;
     }

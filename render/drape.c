@@ -60,8 +60,24 @@ static double middle_longitude(const DrapePlace *place, const Grid *grid, const 
     return middle + remainder(lon_deg - middle, 360.0);
 }
 
+// A picture smaller than the gaps between nodes counts as well: what all of them span is compared.
+static void warn_when_beside(const char *path, float (*nodes)[MAP_SIDE][2]) {
+    bool beside = false;
+    for (int axis = 0; axis < 2; axis++) {
+        float low = INFINITY, high = -INFINITY;
+        for (int i = 0; i < MAP_SIDE * MAP_SIDE; i++) {
+            float at = nodes[i / MAP_SIDE][i % MAP_SIDE][axis];
+            low = fminf(low, at);
+            high = fmaxf(high, at);
+        }
+        beside |= high < 0.0f || low > 1.0f;
+    }
+    if (beside)
+        log_warn("%s: the picture lies beside the terrain, none of which it covers; check its bounds", path);
+}
+
 // Image coordinates at nodes over the DEM, its first and last samples included.
-static void create_map(Drape *drape, const Terrain *terrain) {
+static void create_map(Drape *drape, const char *path, const Terrain *terrain) {
     static const float OUTSIDE[2] = {-9.0f, -9.0f};
     const Dem *dem = terrain_dem(terrain);
     const Grid *grid = terrain_grid(terrain);
@@ -77,6 +93,7 @@ static void create_map(Drape *drape, const Terrain *terrain) {
             nodes[y][x][1] = (float)v;
         }
     }
+    warn_when_beside(path, nodes);
     drape->map = create_texture(GL_RG32F, 1, MAP_SIDE, MAP_SIDE, false);
     glTextureSubImage2D(drape->map, 0, 0, 0, MAP_SIDE, MAP_SIDE, GL_RG, GL_FLOAT, nodes);
 }
@@ -112,7 +129,7 @@ Result drape_create(const RenderOptions *options, const Terrain *terrain, bool s
         drape_destroy(&drape);
         return result;
     }
-    create_map(drape, terrain);
+    create_map(drape, options->image_path, terrain);
     create_block(drape, terrain_dem(terrain));
     *out = drape;
     return RESULT_OK;

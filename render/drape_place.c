@@ -1,10 +1,13 @@
 #include "render/drape_place.h"
 
+#include "assets/image.h"
 #include "base/log.h"
 #include "terrain/geo.h"
 #include "terrain/geotiff_tags.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <string.h>
 
 enum { MODEL_PROJECTED = 1, MODEL_GEOGRAPHIC = 2 };
 enum { EPSG_WGS84 = 4326, EPSG_UTM_NORTH = 32600, EPSG_UTM_SOUTH = 32700 };
@@ -46,17 +49,49 @@ static Result place_from_bounds(const RenderOptions *options, DrapePlace *out) {
     return RESULT_OK;
 }
 
+// Whether the file can be opened as a picture at all; says why not.
+static Result check_picture(const char *path) {
+    ImageFile *file = NULL;
+    Result result = image_open(path, NULL, &file);
+    if (result == RESULT_OK)
+        image_close(&file);
+    return result;
+}
+
+static bool is_tiff(const char *path) {
+    uint8_t head[4] = {0};
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return false;
+    size_t length = fread(head, 1, sizeof head, file);
+    fclose(file);
+    return length == sizeof head && (memcmp(head, "II", 2) == 0 || memcmp(head, "MM", 2) == 0);
+}
+
+static Result refuse_without_place(const char *path, bool has_keys) {
+    if (has_keys)
+        log_error("%s: its georeference is neither WGS84 degrees nor UTM; convert it: gdalwarp -t_srs EPSG:4326 %s "
+                  "OUT.tif",
+                  path, path);
+    else
+        log_error("%s: a picture without a georeference of its own; say where its outer edges lie: --image-bounds "
+                  "WEST,SOUTH,EAST,NORTH in degrees",
+                  path);
+    return RESULT_UNSUPPORTED;
+}
+
 Result drape_place_find(const RenderOptions *options, DrapePlace *out) {
     if (options->image_bounds_given)
         return place_from_bounds(options, out);
-    GeotiffTags tags;
+    const char *path = options->image_path;
+    GeotiffTags tags = {0};
     *out = (DrapePlace){0};
-    if (geotiff_read_tags(options->image_path, &tags) == RESULT_OK && place_from_tags(&tags, out))
-        return RESULT_OK;
-    log_error("%s: no georeference in WGS84 degrees or UTM; give the bounds of the image, or write one into it: "
-              "gdalwarp -t_srs EPSG:4326 %s out.tif",
-              options->image_path, options->image_path);
-    return RESULT_UNSUPPORTED;
+    Result result = check_picture(path);
+    if (result == RESULT_OK && is_tiff(path))
+        result = geotiff_read_tags(path, &tags);
+    if (result != RESULT_OK)
+        return result;
+    return place_from_tags(&tags, out) ? RESULT_OK : refuse_without_place(path, tags.has_keys);
 }
 
 bool drape_place_locate(const DrapePlace *place, double lat_deg, double lon_deg, double near_lon_deg, double *u,
