@@ -20,10 +20,17 @@ static const char *cell_name(const Dem *dem) {
     return dem->pixel_is_area ? "area" : "point";
 }
 
+static void add_files(Json *json, const Dem *dem) {
+    Json *files = json_add_array(json, "files");
+    for (int i = 0; i < dem->file_count; i++)
+        json_append_text(files, dem->files[i]);
+}
+
 static Result print_json(const Info *info) {
     const Dem *dem = info->dem;
     Json *json = json_create();
     json_add_text(json, "file", dem->file);
+    add_files(json, dem);
     json_add_integer(json, "width", dem->width);
     json_add_integer(json, "height", dem->height);
     json_add_text(json, "type", dem->type);
@@ -52,7 +59,8 @@ static Result print_json(const Info *info) {
 static void print_text(const Info *info) {
     const Dem *dem = info->dem;
     int64_t samples = (int64_t)dem->width * dem->height;
-    printf("file      %s\n", dem->file);
+    for (int i = 0; i < dem->file_count; i++)
+        printf("file      %s\n", dem->files[i]);
     printf("samples   %d x %d %s, each for a%s %s\n", dem->width, dem->height, dem->type, dem->pixel_is_area ? "n" : "",
            cell_name(dem));
     printf("crs       %s%s\n", dem->crs_name, dem->georeferenced ? "" : ", placed at 0 N 0 E");

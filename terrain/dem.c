@@ -48,6 +48,9 @@ void dem_destroy(Dem **dem) {
     if (!*dem)
         return;
     free((*dem)->file);
+    for (int i = 0; i < (*dem)->file_count; i++)
+        free((*dem)->files[i]);
+    free((*dem)->files);
     free((*dem)->height_m);
     free((*dem)->void_bits);
     free(*dem);

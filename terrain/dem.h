@@ -32,7 +32,9 @@ typedef struct DemGeoref {
 } DemGeoref;
 
 typedef struct Dem {
-    char *file;        // as given; for display
+    char *file;   // as given; for display
+    char **files; // every file read, those of folders one by one; file_count of them, NULL without a file
+    int file_count;
     int width, height; // samples, >= 2 each
     DemGeoref georef;
     DemDatum datum;     // what height_m is measured from
@@ -59,11 +61,12 @@ DemOptions dem_default_options(void);
 
 // Reads GeoTIFF (integers of 8 to 32 bits, float32), .hgt (also in .zip and .gz), 16-bit PNG, terrarium PNG; several
 // paths or a folder must be adjacent tiles of one grid and become one Dem: where they overlap the first one's data
-// count, what none covers is void. `file` is the first path. Longitudes are such that the DEM's middle is in -180..180.
-// NAD83 and ETRS89 are taken as WGS84, with a warning. On failure one message names file, cause and remedy: NOT_FOUND,
-// IO, FORMAT (damaged, or not elevation), UNSUPPORTED (CRS, rotation, band count, sample type), RANGE (too small; off
-// the globe; nothing but voids, or any with DEM_VOIDS_ERROR; not adjacent), MEMORY. Nothing is allocated from an
-// unchecked header; beyond the samples, loading takes at most 1.5 bytes a sample, and only where there are voids.
+// count (a warning names two that share more than the border strip tiles have), what none covers is void. `file` is the
+// first path. Longitudes are such that the DEM's middle is in -180..180. NAD83 and ETRS89 are taken as WGS84, with a
+// warning. On failure one message names file, cause and remedy: NOT_FOUND, IO, FORMAT (damaged, or not elevation),
+// UNSUPPORTED (CRS, rotation, band count, sample type), RANGE (too small; off the globe; nothing but voids, or any with
+// DEM_VOIDS_ERROR; not adjacent), MEMORY. Nothing is allocated from an unchecked header; beyond the samples, loading
+// takes at most 1.5 bytes a sample, and only where there are voids.
 MUST_USE Result dem_load(const DemOptions *options, const char *const *paths, int path_count, Dem **out);
 
 // A Dem without a file, heights zero, for tests and synthetic scenes.

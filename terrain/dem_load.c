@@ -209,8 +209,15 @@ static Result settle_voids(const DemOptions *options, Dem *dem) {
     return result;
 }
 
+// The list is the Dem's from now on. After the last use of the sources, which borrow their paths from it.
+static void give_files(PathList *list, Dem *dem) {
+    dem->files = list->path;
+    dem->file_count = (int)list->count;
+    *list = (PathList){0};
+}
+
 // `sources` and `places` have room for `count`; the Dem shows `name`.
-static Result load(const DemOptions *options, const PathList *list, const char *name, DemSource *sources,
+static Result load(const DemOptions *options, PathList *list, const char *name, DemSource *sources,
                    DemPlace *places, Dem **out) {
     DemHeader header;
     Dem *dem = NULL;
@@ -228,10 +235,12 @@ static Result load(const DemOptions *options, const PathList *list, const char *
         set_range(dem);
         result = settle_voids(options, dem);
     }
-    if (result == RESULT_OK)
+    if (result == RESULT_OK) {
+        give_files(list, dem);
         *out = dem;
-    else
+    } else {
         dem_destroy(&dem);
+    }
     return result;
 }
 

@@ -4,9 +4,12 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 // Files of one grid may be off by rounding: a hundredth of a sample.
 #define GRID_TOLERANCE 0.01
+// Neighbouring tiles may share so many rows or columns on purpose: SRTM has 1, USGS 12.
+#define BORDER_STRIP 16
 
 static Result refuse_other_grid(const DemSource *a, const DemSource *b, const char *what) {
     log_error("%s: %s than %s; files given together must be tiles of one grid; merge them first: gdalwarp -t_srs "
@@ -117,6 +120,37 @@ static Result set_extent(const DemSource *sources, int count, DemHeader *out, De
     return RESULT_OK;
 }
 
+static int shared_along(int a, int a_length, int b, int b_length) {
+    int end = a + a_length < b + b_length ? a + a_length : b + b_length;
+    return end - (a > b ? a : b);
+}
+
+// More than a border, or all of one.
+static bool overlap(const DemSource *a, DemPlace pa, const DemSource *b, DemPlace pb) {
+    int cols = shared_along(pa.col, a->header.width, pb.col, b->header.width);
+    int rows = shared_along(pa.row, a->header.height, pb.row, b->header.height);
+    if (cols <= 0 || rows <= 0)
+        return false;
+    bool within = (cols == a->header.width && rows == a->header.height) ||
+                  (cols == b->header.width && rows == b->header.height);
+    return within || (cols > BORDER_STRIP && rows > BORDER_STRIP);
+}
+
+// Harmless, but hardly meant: one message, however many there are.
+static void warn_of_overlaps(const DemSource *sources, const DemPlace *places, int count) {
+    for (int i = 0; i < count; i++)
+        for (int j = i + 1; j < count; j++) {
+            if (!overlap(&sources[i], places[i], &sources[j], places[j]))
+                continue;
+            if (strcmp(sources[i].path, sources[j].path) == 0)
+                log_warn("%s: given more than once", sources[i].path);
+            else
+                log_warn("%s and %s overlap; where they do, the heights of %s are taken", sources[i].path,
+                         sources[j].path, sources[i].path);
+            return;
+        }
+}
+
 Result dem_mosaic_layout(const DemSource *sources, int count, DemHeader *out, DemPlace *places) {
     Result result = RESULT_OK;
     *out = sources[0].header;
@@ -128,5 +162,7 @@ Result dem_mosaic_layout(const DemSource *sources, int count, DemHeader *out, De
         result = check_connected(sources, places, count);
     if (result == RESULT_OK)
         result = set_extent(sources, count, out, places);
+    if (result == RESULT_OK)
+        warn_of_overlaps(sources, places, count);
     return result == RESULT_OK ? dem_source_check_georef(sources[0].path, out) : result;
 }
