@@ -1,4 +1,4 @@
-#define _POSIX_C_SOURCE 200809L
+#define _XOPEN_SOURCE 700 // realpath
 #include "config/scene.h"
 
 #include "base/log.h"
@@ -66,9 +66,13 @@ static void report_unknown(const IniEntry *entry) {
               entry->file, entry->line, entry->name, entry->section);
 }
 
+// As people would write it: without "..", where the file exists. A plain name beside a scene named relatively stays so.
 static char *copy_beside(const char *file, const char *name) {
     char path[PATHS_BYTES_MAX];
-    return files_beside(file, name, path) == RESULT_OK ? strdup(path) : NULL;
+    if (files_beside(file, name, path) != RESULT_OK)
+        return NULL;
+    char *resolved = strstr(path, "../") ? realpath(path, NULL) : NULL;
+    return resolved ? resolved : strdup(path);
 }
 
 static bool replace_text(char **slot, char *text) {
