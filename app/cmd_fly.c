@@ -103,6 +103,8 @@ static Result report(const Fly *fly) {
 static Result prepare(Fly *fly) {
     Result result = check_outputs(fly->options);
     if (result == RESULT_OK)
+        result = world_check_inputs(fly->options);
+    if (result == RESULT_OK)
         result = open_context(fly);
     if (result == RESULT_OK)
         result = world_load(fly->options, &fly->world);

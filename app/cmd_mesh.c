@@ -33,6 +33,22 @@ static Result check_output(MeshRun *run) {
     return run->path ? mesh_format_of(run->path, &run->format) : RESULT_OK;
 }
 
+// Even without any error bound there are more triangles than allowed.
+static bool is_smallest(const MeshRun *run) {
+    return run->cut.reached_px > run->cut.view.tau_px &&
+           run->cut.stats.triangles > options_integer(run->options, OPTION_MAX_TRIANGLES);
+}
+
+static void warn_of_budget(const MeshRun *run) {
+    if (is_smallest(run))
+        log_warn("--max-triangles %" PRId64 " is below the smallest mesh of this terrain, %" PRId64
+                 " triangles; that one is taken",
+                 options_integer(run->options, OPTION_MAX_TRIANGLES), run->cut.stats.triangles);
+    else
+        log_warn("the triangle budget was reached: %.3g px hold instead of %.3g; raise --max-triangles or --tau",
+                 run->cut.reached_px, run->cut.view.tau_px);
+}
+
 // A reached budget leaves a valid cut; its error is in the report.
 static Result refine(MeshRun *run) {
     LodOptions lod_options = scene_lod_options(run->options);
@@ -46,11 +62,9 @@ static Result refine(MeshRun *run) {
     int64_t begin_ns = clock_now_ns();
     result = lod_update(run->lod, &view, run->world.jobs, run->frame, &run->cut);
     run->refine_ms = (double)(clock_now_ns() - begin_ns) * 1e-6;
-    if (result != RESULT_BUDGET)
-        return result;
-    log_warn("the triangle budget was reached: %.3g px hold instead of %.3g; raise --max-triangles or --tau",
-             run->cut.reached_px, view.tau_px);
-    return RESULT_OK;
+    if (result == RESULT_BUDGET)
+        warn_of_budget(run);
+    return result == RESULT_BUDGET ? RESULT_OK : result;
 }
 
 // The half space ahead, and the four sides of the frustum.
@@ -119,8 +133,11 @@ static void print_text(const MeshRun *run) {
     const Measure *m = &run->measure;
     if (run->path)
         printf("file        %s\n", run->path);
-    printf("method      %s, tau %g px, reached %g px\n", options_text(run->options, OPTION_METHOD),
-           run->cut.view.tau_px, run->cut.reached_px);
+    printf("method      %s, tau %g px, ", options_text(run->options, OPTION_METHOD), run->cut.view.tau_px);
+    if (is_smallest(run))
+        printf("not reached: the smallest mesh\n");
+    else
+        printf("reached %g px\n", run->cut.reached_px);
     printf("mesh        %" PRId64 " triangles, %" PRId64 " vertices%s\n", run->mesh.triangle_count,
            run->mesh.vertex_count, options_flag(run->options, OPTION_CULL) ? " in view" : "");
     printf("patches     %" PRId64 ", refined in %.1f ms\n", run->cut.stats.patches, run->refine_ms);
@@ -153,6 +170,8 @@ Result cmd_mesh(const Options *options) {
     if (result != RESULT_OK)
         return result;
     result = world_viewpoint(&run.world, options, &run.viewpoint);
+    if (result == RESULT_OK)
+        world_warn_underground(&run.world, &run.viewpoint);
     if (result == RESULT_OK)
         result = refine(&run);
     if (result == RESULT_OK)

@@ -88,6 +88,8 @@ static Result prepare(Snapshot *snapshot) {
     ContextOptions context = picture_context_options(snapshot->options);
     Result result = check_output(snapshot);
     if (result == RESULT_OK)
+        result = world_check_inputs(snapshot->options);
+    if (result == RESULT_OK)
         result = context_create_offscreen(&context, &snapshot->context);
     if (result == RESULT_OK)
         result = world_load(snapshot->options, &snapshot->world);
@@ -97,6 +99,7 @@ static Result prepare(Snapshot *snapshot) {
 }
 
 static Result take(Snapshot *snapshot) {
+    world_warn_underground(&snapshot->world, &snapshot->view);
     FrameOrder order = make_order(snapshot);
     Result result = pipeline_submit(snapshot->pipeline, &order, true);
     return result == RESULT_OK ? pipeline_stats(snapshot->pipeline).picture_failure : result;

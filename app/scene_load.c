@@ -53,6 +53,42 @@ static Result read_scene(const Options *options, Scene *out) {
     return result == RESULT_OK ? scene_read(path, out) : result;
 }
 
+// ---- Are the files there? ---------------------------------------------------------------------------------------
+
+static Result check_file(Result before, const char *path) {
+    return before == RESULT_OK && path ? files_check_readable(path) : before;
+}
+
+static Result check_bounds_have_image(const Options *options, const char *image) {
+    OptionSource source = options_source(options, OPTION_IMAGE_BOUNDS);
+    bool asked_for = source == SOURCE_ENVIRONMENT || source == SOURCE_COMMAND_LINE;
+    if (image || !asked_for)
+        return RESULT_OK;
+    log_error("--image-bounds: no picture has these bounds; name one with --image FILE");
+    return RESULT_USAGE;
+}
+
+static Result check_scene_files(const Options *options, const Scene *scene) {
+    const char *image = options_is_set(options, OPTION_IMAGE) ? options_text(options, OPTION_IMAGE) : scene->image;
+    Result result = check_bounds_have_image(options, image);
+    for (int i = 0; i < scene->dem_count; i++)
+        result = check_file(result, scene->dem[i]);
+    result = check_file(result, options_text(options, OPTION_GEOID));
+    return check_file(result, image);
+}
+
+Result world_check_inputs(const Options *options) {
+    Scene scene;
+    Result result = read_scene(options, &scene);
+    if (result != RESULT_OK)
+        return result;
+    result = check_scene_files(options, &scene);
+    scene_clear(&scene);
+    return result;
+}
+
+// ---- Loading ----------------------------------------------------------------------------------------------------
+
 // Index in the choices of the option: what was given on purpose, else the scene's word, else the default.
 static int choose(const Options *options, OptionId id, int scene_choice) {
     return options_is_given(options, id) || scene_choice < 0 ? options_choice(options, id) : scene_choice;
@@ -186,6 +222,16 @@ Result world_viewpoint(const World *world, const Options *options, Viewpoint *ou
     }
     *out = view;
     return RESULT_OK;
+}
+
+void world_warn_underground(const World *world, const Viewpoint *view) {
+    double ground_m;
+    if (!terrain_ground_m(world->terrain, view->lat_deg, view->lon_deg, &ground_m))
+        return;
+    double depth_m = ground_m - world_ellipsoid_m(world, view->lat_deg, view->lon_deg, view->alt_m);
+    if (depth_m >= 0.1)
+        log_warn("the eye is %.1f m under the ground; --eye %.6f,%.6f,%.0f is above it", depth_m, view->lat_deg,
+                 view->lon_deg, ceil(view->alt_m + depth_m) + 2.0);
 }
 
 Vec3d world_sun(const World *world, const Options *options, const Viewpoint *view) {

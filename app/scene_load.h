@@ -27,6 +27,11 @@ LodOptions scene_lod_options(const Options *options);
 // The EGM96 grid: --geoid, else the program's own. NOT_FOUND, FORMAT.
 MUST_USE Result scene_open_geoid(const Options *options, Geoid **out);
 
+// Before anything slow or visible is done for a picture: whether the files it is made of are there. What is wrong with
+// their contents is found by those who read them. On failure one message names the file. USAGE: --image-bounds without
+// an image.
+MUST_USE Result world_check_inputs(const Options *options);
+
 // Loads what the positional arguments name: nothing (the default scene), a scene (a file ending in .scene, or the name
 // of one that came with the program), or DEM files and folders. Jobs, geoid, DEM and terrain as the options say. On
 // failure one message was logged and `out` is empty.
@@ -36,6 +41,8 @@ void world_unload(World *world);
 // --eye and --look, else the scene's start, else a three-quarter view of the highest relief computed from the terrain.
 // An eye given without a direction looks north, level.
 MUST_USE Result world_viewpoint(const World *world, const Options *options, Viewpoint *out);
+// Says so when the eye is under the ground.
+void world_warn_underground(const World *world, const Viewpoint *viewpoint);
 // Unit vector towards the sun at the viewpoint: --sun when given, else the scene's, else the default.
 Vec3d world_sun(const World *world, const Options *options, const Viewpoint *viewpoint);
 Vec3d world_viewpoint_ecef(const World *world, const Viewpoint *viewpoint);

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 static bool fits(int printed) {
     return printed > 0 && printed < PATHS_BYTES_MAX;
@@ -28,6 +29,14 @@ bool files_exists(const char *path) {
 bool files_is_folder(const char *path) {
     struct stat status;
     return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
+}
+
+Result files_check_readable(const char *path) {
+    if (access(path, R_OK) == 0)
+        return RESULT_OK;
+    int cause = errno;
+    log_error("%s: %s; %s", path, strerror(cause), cause == EACCES ? "make it readable" : "check the path");
+    return cause == ENOENT || cause == ENOTDIR ? RESULT_NOT_FOUND : RESULT_IO;
 }
 
 Result files_make_folder(const char *path) {

@@ -4,13 +4,18 @@ import hashlib
 import json
 import os
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
 import time
+import zlib
 
 SMALL = ["--size", "320x200"]
 SUBCOMMANDS = ["fly", "snapshot", "mesh", "bench", "info", "config"]
+
+
+DEM = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "assets/data/dem/jacksboro_fault.tif")
 
 
 class Run:
@@ -49,6 +54,21 @@ class Cli:
             file.write(text)
         return self.path(name)
 
+    def write_picture(self, name):
+        """A PNG of 2 x 2 red pixels."""
+        def chunk(kind, data):
+            body = kind + data
+            return struct.pack(">I", len(data)) + body + struct.pack(">I", zlib.crc32(body))
+
+        with open(self.path(name), "wb") as file:
+            file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 2, 2, 8, 2, 0, 0, 0)) +
+                       chunk(b"IDAT", zlib.compress(2 * (b"\0" + 2 * b"\xff\0\0"))) + chunk(b"IEND", b""))
+
+    def write_tile(self, name, side):
+        """A flat .hgt, whose name says where it lies."""
+        with open(self.path(name), "wb") as file:
+            file.write(b"\0\x64" * (side * side))
+
     def start(self, *arguments, **environment):
         return subprocess.Popen([self.program, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                                 cwd=self.folder, env={**self.environment, **environment})
@@ -65,6 +85,14 @@ class Cli:
         expect(f"{what}: exit status, having said {run.err!r}", run.code, code)
         expect(f"{what}: stdout", run.out, "")
         expect(f"{what}: errors in {run.err!r}", run.err.count("error: "), 1)
+        expect_in(what, said, run.err)
+
+    def warned(self, said, *arguments):
+        """The program does what it is asked to and gives one warning, which says `said`."""
+        run = self.run(*arguments)
+        what = " ".join(arguments)
+        expect(f"{what}: exit status, having said {run.err!r}", run.code, 0)
+        expect(f"{what}: warnings in {run.err!r}", run.err.count("warning: "), 1)
         expect_in(what, said, run.err)
 
     def json(self, *arguments, **environment):
@@ -135,6 +163,86 @@ def missing_files_are_named(cli):
     scene = cli.write("odd.scene", "[terrain]\nden = gone.tif\n")
     cli.refused(1, f"{scene}:2:", "snapshot", scene, "-o", "x.png")
     cli.refused(1, "nowhere/x.png", "snapshot", *SMALL, "-o", "nowhere/x.png")
+
+
+def a_wrong_image_is_refused_in_one_message(cli):
+    snapshot = ["snapshot", *SMALL, "-o", "x.png", "--image"]
+    text = cli.write("notes/words.txt", "these are words\n" * 20)
+    cli.write_picture("red.png")
+    cli.refused(1, "nofile.png: No such file or directory; check the path", *snapshot, "nofile.png")
+    cli.refused(1, f"{text}: cannot be opened as an image", *snapshot, text)
+    cli.refused(1, "red.png: a picture without a georeference of its own", *snapshot, "red.png")
+    half = cli.write("half.tif", "II*")
+    cli.refused(1, f"{half}: cannot be opened as an image", *snapshot, half)
+    cli.refused(2, "WEST,SOUTH,EAST,NORTH", *snapshot, "red.png", "--image-bounds=3,0,3,0")
+    expect("a picture all the same", os.path.exists(cli.path("x.png")), False)
+
+
+def image_bounds_without_an_image_are_wrong_usage(cli):
+    bounds = "--image-bounds=-85,36,-84,37"
+    cli.refused(2, "--image FILE", "snapshot", *SMALL, "-o", "x.png", bounds)
+    cli.refused(2, "--image FILE", "fly", "--no-window", "--frames", "1", bounds)
+
+
+def an_image_beside_the_terrain_is_warned_of(cli):
+    cli.write_picture("red.png")
+    snapshot = ["snapshot", *SMALL, "-o", "x.png", "--image", "red.png"]
+    cli.warned("red.png: the picture lies beside the terrain", *snapshot, "--image-bounds=10,45,11,46")
+    run = cli.run(*snapshot, "--image-bounds=-84.21,36.51,-84.209,36.511")
+    expect("exit status of a small picture on the terrain", run.code, 0)
+    expect("what it says", "beside" in run.err, False)
+
+
+def an_eye_under_the_ground_is_warned_of(cli):
+    for command in (["snapshot", *SMALL, "-o", "x.png"], ["mesh"]):
+        cli.warned("m under the ground", *command, "--eye", "36.58,-84.24,100", "--look", "60,-5")
+        run = cli.run(*command, "--eye", "36.58,-84.24,1500", "--look", "60,-5")
+        expect(f"warned of above the ground: {run.err!r}", "under the ground" in run.err, False)
+
+
+def missing_files_are_named_before_a_window_is_wanted(cli):
+    cli.refused(1, "wrong.tif: No such file or directory", "fly", "wrong.tif")
+    cli.refused(1, "wrong.png: No such file or directory", "fly", "--image", "wrong.png")
+    scene = cli.write("lost.scene", "[terrain]\ndem = gone.tif\n")
+    cli.refused(1, "gone.tif", "fly", scene)
+
+
+def info_names_every_file(cli):
+    for name in ("N10E020.hgt", "N10E021.hgt"):
+        cli.write_tile(name, 1201)
+    report = cli.json("info", "N10E020.hgt", "N10E021.hgt")
+    expect("file", report["file"], "N10E020.hgt")
+    expect("files", report["files"], ["N10E020.hgt", "N10E021.hgt"])
+    expect("files of a folder", cli.json("info", ".")["files"], ["./N10E020.hgt", "./N10E021.hgt"])
+    run = cli.run("info", "N10E020.hgt", "N10E021.hgt")
+    expect("what is said of neighbours", run.err.count("warning"), 0)
+
+
+def overlapping_files_are_warned_of(cli):
+    cli.write_tile("N10E020.hgt", 1201)
+    cli.warned("N10E020.hgt: given more than once", "info", "N10E020.hgt", "N10E020.hgt")
+    cli.warned("N10E020.hgt and ./N10E020.hgt overlap", "info", "N10E020.hgt", "./N10E020.hgt")
+
+
+def paths_of_a_scene_are_written_plainly(cli):
+    path = cli.json("mesh", "--tau", "100")["dem"]
+    expect("..  in " + path, ".." in path, False)
+    expect("exists", os.path.exists(path), True)
+    cli.write("scenes/here.scene", f"[terrain]\ndem = ../{os.path.relpath(DEM, cli.path(''))}\n")
+    expect("from a scene elsewhere", cli.json("mesh", "scenes/here.scene", "--tau", "100")["dem"],
+           os.path.realpath(DEM))
+
+
+def a_budget_below_the_smallest_mesh_says_so(cli):
+    run = cli.run("mesh", DEM, "--tau", "0.01", "--max-triangles", "1000", "--method", "hybrid", "--json")
+    expect(f"exit status, having said {run.err!r}", run.code, 0)
+    triangles = json.loads(run.out)["triangles"]
+    if triangles <= 1000:
+        expect_in("a budget that holds", "px hold instead", run.err)
+    else:
+        expect_in("a budget that cannot hold", f"smallest mesh of this terrain, {triangles} triangles", run.err)
+    text = cli.run("mesh", DEM, "--tau", "0.01", "--max-triangles", "1000", "--method", "hybrid")
+    expect(f"an error of 1e12 px in {text.err!r} and {text.out!r}", "e+12" in text.err + text.out, False)
 
 
 def a_snapshot_is_the_same_each_time(cli):
@@ -235,6 +343,10 @@ def a_full_disk_is_an_error(cli):
 
 CASES = [help_is_instant_and_complete, help_comes_even_with_a_damaged_file, wrong_usage_is_exit_2,
          a_damaged_file_is_named_with_its_line, sources_win_in_order, missing_files_are_named,
+         a_wrong_image_is_refused_in_one_message, image_bounds_without_an_image_are_wrong_usage,
+         an_image_beside_the_terrain_is_warned_of, an_eye_under_the_ground_is_warned_of,
+         missing_files_are_named_before_a_window_is_wanted, info_names_every_file, overlapping_files_are_warned_of,
+         paths_of_a_scene_are_written_plainly, a_budget_below_the_smallest_mesh_says_so,
          a_snapshot_is_the_same_each_time, a_flight_repeats_in_lockstep, overlapped_stages_draw_what_lockstep_draws,
          pictures_are_spread_over_the_flight, without_a_display_it_says_how_to_get_a_window,
          an_old_opengl_is_named_beside_what_is_needed, signals_end_a_flight_cleanly,
