@@ -3,7 +3,7 @@
 # the program prints when it is told to leave. Usage: tests/test_window.sh OVERFLY. Exit 77: skipped.
 set -u -o pipefail
 if [ "${2-}" != inside ]; then
-    for tool in xvfb-run xauth xdotool; do
+    for tool in xvfb-run xauth xdotool python3; do
         command -v "$tool" >/dev/null || {
             echo "skipped: $tool is missing"
             exit 77
@@ -91,6 +91,54 @@ expect() {
     fi
 }
 
+# corners FILE: "WIDTHxHEIGHT" of an RGB PNG of 8 bits, then for each corner the mean and the range of its brightness.
+corners() {
+    python3 - "$1" <<'EOF'
+import struct, sys, zlib
+data, at, packed = open(sys.argv[1], "rb").read(), 8, b""
+while at < len(data):
+    length, kind = struct.unpack(">I4s", data[at:at + 8])
+    body, at = data[at + 8:at + 8 + length], at + 12 + length
+    if kind == b"IHDR":
+        width, height, bits, colour = struct.unpack(">IIBB", body[:10])
+    packed += body if kind == b"IDAT" else b""
+assert (bits, colour) == (8, 2), f"{bits} bits, colour type {colour}"
+raw, stride, rows = zlib.decompress(packed), 3 * width, [bytearray(3 * width)]
+for y in range(height):
+    method, row, above = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)]), rows[-1]
+    for x in range(stride if method else 0):
+        a, b, c = row[x - 3] if x > 2 else 0, above[x], above[x - 3] if x > 2 else 0
+        to = {key: abs(a + b - c - value) for value, key in ((a, 0), (b, 1), (c, 2))}
+        paeth = (a, b, c)[min(to, key=lambda k: (to[k], k))] if method == 4 else 0
+        row[x] = (row[x] + (0, a, b, (a + b) // 2, paeth)[method]) & 255
+    rows.append(row)
+print(f"{width}x{height}")
+for name, y0, x0 in (("top_left", 0, 0), ("top_right", 0, width - 24), ("bottom_left", height - 24, 0),
+                     ("bottom_right", height - 24, width - 24)):
+    block = [sum(rows[1 + y][3 * x:3 * x + 3]) for y in range(y0, y0 + 24) for x in range(x0, x0 + 24)]
+    print(name, sum(block) // len(block), max(block) - min(block))
+EOF
+}
+
+# Resizes the window; the next picture has its size, with sky in the upper corners and land, which is never of one
+# colour, in the lower ones.
+expect_resized() {
+    local size="$1x$2" picture found
+    xdotool windowsize --sync "$(xdotool search --onlyvisible --name '^Overfly' | head -n 1)" "$1" "$2"
+    sleep 0.5
+    rm -f "$XDG_PICTURES_DIR"/overfly-*.png
+    press F3
+    wait_for 10 compgen -G "$XDG_PICTURES_DIR/overfly-*.png" >/dev/null || give_up "F3 wrote no picture"
+    sleep 0.3
+    picture=$(compgen -G "$XDG_PICTURES_DIR/overfly-*.png" | head -n 1)
+    found=$(corners "$picture")
+    echo "$flight: resized to $size: ${found//$'\n'/, }"
+    awk -v size="$size" 'NR == 1 { bad += $1 != size } NR > 1 { bad += $2 < 60 } /^bottom/ { bad += $3 < 12 }
+        END { exit bad || NR != 5 }' <<<"$found" && return
+    echo "$flight: expected $size, brightness from 60 on in all corners, and a range from 12 on in the lower ones"
+    faults=$((faults + 1))
+}
+
 take_off "no keys" --size 1280x800
 land
 expect frames '>=' 1
@@ -141,6 +189,12 @@ land
 expect paused '==' true
 expect help '==' true
 expect bank_deg '<' 1
+
+take_off "resized" --size 640x400
+press p h
+expect_resized 900 600
+expect_resized 480 520
+land
 
 echo "$faults values were not as expected"
 [ "$faults" -eq 0 ]
