@@ -217,8 +217,8 @@ static void give_files(PathList *list, Dem *dem) {
 }
 
 // `sources` and `places` have room for `count`; the Dem shows `name`.
-static Result load(const DemOptions *options, PathList *list, const char *name, DemSource *sources,
-                   DemPlace *places, Dem **out) {
+static Result load(const DemOptions *options, PathList *list, const char *name, DemSource *sources, DemPlace *places,
+                   Dem **out) {
     DemHeader header;
     Dem *dem = NULL;
     Result result = RESULT_OK;
