@@ -16,7 +16,7 @@ enum { LIGHT_WIDTH = 64, LIGHT_HEIGHT = 4 };
 #define LIGHT_MU_MIN (-0.2)
 
 struct Atmosphere {
-    GLuint transmittance, multiple, radiance, source; // textures
+    GLuint transmittance, multiple, radiance, source, light_sun, light_sky; // textures
     GLuint sky_program, sky_framebuffer, vertex_array;
     float sun[LIGHT_HEIGHT][LIGHT_WIDTH][4], sky[LIGHT_HEIGHT][LIGHT_WIDTH][4];
     float eye_km, mu_sun; // of the sky at hand
@@ -74,16 +74,14 @@ static Result draw_table_once(const Atmosphere *atmosphere, const char *file, co
     return RESULT_OK;
 }
 
-// Read back, for the frame's uniforms: two small tables.
+// Two small tables, read back for the frame's uniforms.
 static Result draw_ground_light(Atmosphere *atmosphere) {
-    GLuint sun = create_table(LIGHT_WIDTH, LIGHT_HEIGHT, GL_RGBA32F);
-    GLuint sky = create_table(LIGHT_WIDTH, LIGHT_HEIGHT, GL_RGBA32F);
-    Result result =
-        draw_table_once(atmosphere, "atmosphere_ground.frag", LIGHT_DEFINES, sun, sky, LIGHT_WIDTH, LIGHT_HEIGHT);
-    glGetTextureImage(sun, 0, GL_RGBA, GL_FLOAT, sizeof atmosphere->sun, atmosphere->sun);
-    glGetTextureImage(sky, 0, GL_RGBA, GL_FLOAT, sizeof atmosphere->sky, atmosphere->sky);
-    glDeleteTextures(1, &sun);
-    glDeleteTextures(1, &sky);
+    atmosphere->light_sun = create_table(LIGHT_WIDTH, LIGHT_HEIGHT, GL_RGBA32F);
+    atmosphere->light_sky = create_table(LIGHT_WIDTH, LIGHT_HEIGHT, GL_RGBA32F);
+    Result result = draw_table_once(atmosphere, "atmosphere_ground.frag", LIGHT_DEFINES, atmosphere->light_sun,
+                                    atmosphere->light_sky, LIGHT_WIDTH, LIGHT_HEIGHT);
+    glGetTextureImage(atmosphere->light_sun, 0, GL_RGBA, GL_FLOAT, sizeof atmosphere->sun, atmosphere->sun);
+    glGetTextureImage(atmosphere->light_sky, 0, GL_RGBA, GL_FLOAT, sizeof atmosphere->sky, atmosphere->sky);
     return result;
 }
 
@@ -129,7 +127,8 @@ void atmosphere_destroy(Atmosphere **atmosphere) {
     Atmosphere *self = *atmosphere;
     if (!self)
         return;
-    const GLuint textures[] = {self->transmittance, self->multiple, self->radiance, self->source};
+    const GLuint textures[] = {self->transmittance, self->multiple,  self->radiance,
+                               self->source,        self->light_sun, self->light_sky};
     glDeleteTextures(COUNT_OF(textures), textures);
     glDeleteFramebuffers(1, &self->sky_framebuffer);
     glDeleteVertexArrays(1, &self->vertex_array);
@@ -165,6 +164,14 @@ unsigned atmosphere_radiance(const Atmosphere *atmosphere) {
 
 unsigned atmosphere_source(const Atmosphere *atmosphere) {
     return atmosphere->source;
+}
+
+unsigned atmosphere_light_sun(const Atmosphere *atmosphere) {
+    return atmosphere->light_sun;
+}
+
+unsigned atmosphere_light_sky(const Atmosphere *atmosphere) {
+    return atmosphere->light_sky;
 }
 
 // Position in a table of `count` entries whose ends are at 0 and 1.

@@ -19,6 +19,10 @@ void atmosphere_update(Atmosphere *atmosphere, double eye_h_m, double mu_sun);
 unsigned atmosphere_radiance(const Atmosphere *atmosphere); // textures of shaders/sky_view.frag
 unsigned atmosphere_source(const Atmosphere *atmosphere);
 
+// Tables of shaders/atmosphere_ground.frag: what atmosphere_light tells, for shaders.
+unsigned atmosphere_light_sun(const Atmosphere *atmosphere);
+unsigned atmosphere_light_sky(const Atmosphere *atmosphere);
+
 // Light on the ground: irradiance of the sun across its rays, and of the sky on level ground.
 typedef struct AtmosphereLight {
     Vec3f sun, sky;

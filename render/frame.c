@@ -76,7 +76,7 @@ void frame_set_globe(Frame *frame, double height_m) {
 
 // What a camera would do about a low sun: open up, but less than the light fades.
 static double exposure_for(double mu_sun) {
-    double brightness = fmax(mu_sun + 0.10, 0.02) / 1.10;
+    double brightness = fmax(mu_sun + 0.10, 0.006) / 1.10;
     return 4.5 * pow(brightness, -0.42);
 }
 
@@ -88,6 +88,21 @@ void frame_set_sun(Frame *frame, Vec3d sun_ecef) {
     side = vec3d_length(side) > 1e-6 ? vec3d_normalize(side) : vec3d_normalize(vec3d(-up.y, up.x, 1e-9));
     put(frame->block.sun, sun_ecef, exposure_for(frame->mu_sun));
     put(frame->block.sun_side, side, frame->mu_sun);
+}
+
+// Whole repeats are dropped here, in double, so that waves stay where they are while the eye moves.
+static void put_repeats(float out[4], Vec3d axis, Vec3d from_middle) {
+    double repeats = vec3d_dot(axis, from_middle) / FRAME_WAVES_M;
+    put(out, vec3d_scale(axis, 1.0 / FRAME_WAVES_M), repeats - floor(repeats));
+}
+
+void frame_set_waves(Frame *frame, Vec3d middle_ecef) {
+    Geodetic middle = geodesy_from_ecef(middle_ecef);
+    Vec3d up = geodesy_up(middle.lat_rad, middle.lon_rad);
+    Vec3d east = {-sin(middle.lon_rad), cos(middle.lon_rad), 0.0};
+    Vec3d from_middle = vec3d_sub(frame->eye_ecef, middle_ecef);
+    put_repeats(frame->block.wave_east, east, from_middle);
+    put_repeats(frame->block.wave_north, vec3d_cross(up, east), from_middle);
 }
 
 Frame frame_make(const RenderCamera *camera, int width, int height) {

@@ -23,12 +23,15 @@ typedef struct FrameBlock {
                                // zenith angle; w: height of the globe around the data, km
     float light_sun[2][4];     // irradiance at the data's middle, at sea level and at FRAME_LIGHT_M
     float light_sky[2][4];
+    float wave_east[4]; // repeats of the waves = dot(xyz, metres from the eye, ECEF axes) + w
+    float wave_north[4];
     int32_t mode[4]; // RenderColouring; 1: flat colours, for tests: no dithering, and tints without light
                      // and air
 } FrameBlock;
-_Static_assert(sizeof(FrameBlock) == 64 + 13 * 16, "as shaders/frame.glsl has it");
+_Static_assert(sizeof(FrameBlock) == 64 + 15 * 16, "as shaders/frame.glsl has it");
 
 #define FRAME_LIGHT_M 4000.0
+#define FRAME_WAVES_M 2400.0 // a repeat of the waves
 
 typedef struct Frame {
     FrameBlock block;
@@ -46,6 +49,8 @@ Frame frame_make(const RenderCamera *camera, int width, int height);
 void frame_set_sun(Frame *frame, Vec3d sun_ecef);
 // What surrounds the data: a globe as high as their rim, but always below the eye.
 void frame_set_globe(Frame *frame, double height_m);
+// Ties the waves of the sea to the plane that touches the Earth at a point, metres ECEF.
+void frame_set_waves(Frame *frame, Vec3d middle_ecef);
 // Into round space.
 Vec3d frame_round(Vec3d ecef);
 

@@ -254,6 +254,10 @@ Vec3d ground_middle_ecef(const Ground *ground) {
     return ground->middle_ecef;
 }
 
+bool ground_in_sea(const Ground *ground) {
+    return ground->block.globe[1] > 0.5f;
+}
+
 double ground_globe_m(const Ground *ground) {
     return ground->block.globe[0];
 }

@@ -37,6 +37,7 @@ void ground_bind(const Ground *ground);
 bool ground_is_wet(const Ground *ground, int col, int row, int cols, int rows);
 bool ground_has_holes(const Ground *ground);
 Vec3d ground_middle_ecef(const Ground *ground); // on the ellipsoid
+bool ground_in_sea(const Ground *ground);       // most of the rim is
 double ground_globe_m(const Ground *ground);
 // Repeats of the noise per column and per row.
 void ground_noise_repeats(const Ground *ground, double out[2]);

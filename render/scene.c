@@ -16,6 +16,7 @@
 
 // As shaders/aerial.glsl has them.
 enum { UNIT_SKY_RADIANCE = 8, UNIT_SKY_SOURCE = 9 };
+enum { UNIT_LIGHT_SUN = 12, UNIT_LIGHT_SKY = 13 }; // shaders/globe.frag
 
 struct Scene {
     PatchCache *cache;
@@ -58,8 +59,8 @@ static Result create_parts(Scene *scene, const RenderOptions *options, const Ter
         result = atmosphere_create(&scene->atmosphere);
     if (result != RESULT_OK)
         return result;
-    snprintf(scene->defines, sizeof scene->defines, "%s%s", ground_has_holes(scene->ground) ? "HOLES " : "",
-             scene->drape ? "DRAPE" : "");
+    snprintf(scene->defines, sizeof scene->defines, "%s%s%s", ground_has_holes(scene->ground) ? "HOLES " : "",
+             scene->drape ? "DRAPE " : "", ground_in_sea(scene->ground) ? "SEA" : "");
     glCreateBuffers(1, &scene->frame_buffer);
     glNamedBufferStorage(scene->frame_buffer, sizeof(FrameBlock), NULL, GL_DYNAMIC_STORAGE_BIT);
     if ((result = create_programs(scene)) != RESULT_OK)
@@ -122,6 +123,7 @@ Result scene_prepare(Scene *scene, const RenderPacket *packet, int width, int he
     scene->frame = frame_make(&packet->camera, width, height);
     frame_set_sun(&scene->frame, packet->sun_ecef);
     frame_set_globe(&scene->frame, ground_globe_m(scene->ground));
+    frame_set_waves(&scene->frame, ground_middle_ecef(scene->ground));
     set_light(scene, packet->sun_ecef);
     scene->frame.block.mode[0] = (int32_t)packet->colouring;
     scene->frame.block.mode[1] = packet->magenta_background;
@@ -156,6 +158,8 @@ static void bind_inputs(const Scene *scene) {
         drape_bind(scene->drape);
     glBindTextureUnit(UNIT_SKY_RADIANCE, atmosphere_radiance(scene->atmosphere));
     glBindTextureUnit(UNIT_SKY_SOURCE, atmosphere_source(scene->atmosphere));
+    glBindTextureUnit(UNIT_LIGHT_SUN, atmosphere_light_sun(scene->atmosphere));
+    glBindTextureUnit(UNIT_LIGHT_SKY, atmosphere_light_sky(scene->atmosphere));
     glNamedBufferSubData(scene->frame_buffer, 0, sizeof scene->frame.block, &scene->frame.block);
     glBindBufferBase(GL_UNIFORM_BUFFER, FRAME_BLOCK_BINDING, scene->frame_buffer);
 }

@@ -67,6 +67,15 @@ vec2 ray_sphere(float h_km, float mu, float sphere_km) {
     return vec2(min(far, other), max(far, other));
 }
 
+// --- night: enough to tell land from sky; far more than stars give
+
+// Irradiance on level ground, by the cosine of the sun's zenith angle.
+vec3 night_light(float mu_sun) {
+    return vec3(0.009, 0.013, 0.022) * smoothstep(0.2, -0.1, mu_sun);
+}
+
+const vec3 NIGHT_AIR = vec3(0.0004, 0.0006, 0.0010); // radiance of much air
+
 // --- tables
 
 // Transmittance from a height to space: x from straight up to the horizon, y from the ground to the top.

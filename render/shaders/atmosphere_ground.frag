@@ -22,5 +22,5 @@ void main() {
         light += march_ray(transmittance, multiple, 1.0, h, mu, part.x, part.y, cos_sun, mu_sun, 16).light;
     }
     sun = vec4(sun_light(transmittance, h, mu_sun), 1.0);
-    sky = vec4(light * PI / float(RINGS * SECTORS), 1.0);
+    sky = vec4(light * PI / float(RINGS * SECTORS) + night_light(mu_sun), 1.0);
 }

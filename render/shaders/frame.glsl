@@ -13,6 +13,8 @@ layout(std140, binding = 0) uniform FrameBlock {
                         // the globe around the data, km
     vec4 light_sun[2];  // irradiance at sea level and at 4 km
     vec4 light_sky[2];
+    vec4 wave_east;     // repeats of the waves = dot(xyz, metres from the eye) + w
+    vec4 wave_north;
     ivec4 mode;         // colouring; 1: flat colours, for tests: no dithering, and tints without light and air
 } frame;
 

@@ -6,6 +6,9 @@ struct Land {
     float rough; // how much small relief shows in the light
 };
 
+// Where nothing is known of the land.
+const vec3 ANY_MEADOW = vec3(0.105, 0.126, 0.046), ANY_WOODS = vec3(0.034, 0.058, 0.020);
+
 // Above which trees end and snow stays, by latitude; fits to the well-known values of the Earth's mountains.
 vec2 land_lines_m(float sin_lat) {
     float s = sin_lat * sin_lat;

@@ -18,6 +18,7 @@ void main() {
     float cos_sun = mu * mu_sun + direction.y * sqrt(max((1.0 - mu * mu) * (1.0 - mu_sun * mu_sun), 0.0));
     vec3 part = air_interval(h, mu);
     March march = march_ray(transmittance, multiple, 1.0, h, mu, part.x, max(part.x, part.y), cos_sun, mu_sun, 28);
+    march.light += NIGHT_AIR * (1.0 - march.transmittance);
     radiance = vec4(march.light, dot(march.transmittance, vec3(1.0 / 3.0)));
     source = vec4(march.light / max(1.0 - march.transmittance, vec3(1e-4)), 1.0);
 }

@@ -85,14 +85,12 @@ void main() {
 #ifdef WATER
     float water = frame.mode.x == COLOUR_LAND ? smoothstep(0.40, 0.60, cell.a) : 0.0;
     if (water > 0.0) {
-        vec3 waves = normalize(vec3((middle.gb - 0.5) * 0.05 + (fine.gb - 0.5) * 0.07, 1.0));
         vec3 to_eye = -to_local(local, normalize(at_m));
         vec3 up_direction = reflect(direction, normalize(local.up * ROUND));
         vec3 mirrored = textureLod(sky_radiance, sky_coordinates(up_direction), 0.0).rgb;
         float shallow = 1.0 - smoothstep(0.5, 1.0, textureLod(surface_map, uv, 3.0).a);
-        vec3 deep = mix(vec3(0.006, 0.022, 0.038), vec3(0.020, 0.075, 0.075), shallow);
-        vec3 body = deep * (sun_light * max(sun.z, 0.0) * lit + sky_light) / PI;
-        radiance = mix(radiance, water_light(waves, to_eye, sun, body, mirrored, sun_light * lit, 0.6), water);
+        vec3 light = water_light(at_m, to_eye, sun, mirrored, sun_light * lit, sky_light, shallow);
+        radiance = mix(radiance, light, water);
     }
 #endif
     Aerial aerial = aerial_to(direction, metres, height_km(round_m));
