@@ -131,8 +131,8 @@ static bool overlap(const DemSource *a, DemPlace pa, const DemSource *b, DemPlac
     int rows = shared_along(pa.row, a->header.height, pb.row, b->header.height);
     if (cols <= 0 || rows <= 0)
         return false;
-    bool within = (cols == a->header.width && rows == a->header.height) ||
-                  (cols == b->header.width && rows == b->header.height);
+    bool within =
+        (cols == a->header.width && rows == a->header.height) || (cols == b->header.width && rows == b->header.height);
     return within || (cols > BORDER_STRIP && rows > BORDER_STRIP);
 }
 

@@ -144,11 +144,15 @@ static void hear(void *user, LogLevel level, const char *message) {
     }
 }
 
-Result support_load(const DemOptions *options, const char *path, Dem **out, Heard *heard) {
+Result support_load_paths(const DemOptions *options, const char *const *paths, int count, Dem **out, Heard *heard) {
     *out = NULL;
     *heard = (Heard){0};
     log_set_sink(hear, heard);
-    Result result = dem_load(options, &path, 1, out);
+    Result result = dem_load(options, paths, count, out);
     log_set_sink(NULL, NULL);
     return result;
+}
+
+Result support_load(const DemOptions *options, const char *path, Dem **out, Heard *heard) {
+    return support_load_paths(options, &path, 1, out, heard);
 }

@@ -47,4 +47,5 @@ typedef struct Heard {
     int errors, warnings;
     char error[2048], warning[2048];
 } Heard;
+Result support_load_paths(const DemOptions *options, const char *const *paths, int count, Dem **out, Heard *heard);
 Result support_load(const DemOptions *options, const char *path, Dem **out, Heard *heard);

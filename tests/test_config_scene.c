@@ -42,6 +42,23 @@ static void a_whole_scene_is_read(void **state) {
     unlink(path);
 }
 
+static void paths_upwards_are_resolved_where_the_file_exists(void **state) {
+    (void)state;
+    char path[] = "/tmp/overfly-XXXXXX.scene", text[256];
+    write_scene(path, ""); // mkstemps chooses the name, which the text then holds
+    snprintf(text, sizeof text, "[terrain]\ndem = ../tmp/%s\ndem = ../no/such.tif\n", path + 5);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fputs(text, file);
+    fclose(file);
+    Scene scene;
+    assert_int_equal(scene_read(path, &scene), RESULT_OK);
+    assert_string_equal(scene.dem[0], path);
+    assert_string_equal(scene.dem[1], "/tmp/../no/such.tif");
+    scene_clear(&scene);
+    unlink(path);
+}
+
 static void broken_scenes_are_refused_with_file_and_line(void **state) {
     (void)state;
     static const struct {
@@ -83,6 +100,7 @@ static void a_missing_scene_is_named(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_whole_scene_is_read),
+        cmocka_unit_test(paths_upwards_are_resolved_where_the_file_exists),
         cmocka_unit_test(broken_scenes_are_refused_with_file_and_line),
         cmocka_unit_test(a_missing_scene_is_named),
     };

@@ -39,12 +39,7 @@ static Result load_paths(char (*paths)[192], int count, Dem **out, Heard *heard)
     for (int i = 0; i < count; i++)
         list[i] = paths[i];
     DemOptions options = dem_default_options();
-    *heard = (Heard){0};
-    *out = NULL;
-    log_set_level(LOG_ERROR);
-    Result result = dem_load(&options, list, count, out);
-    log_set_level(LOG_INFO);
-    return result;
+    return support_load_paths(&options, list, count, out, heard);
 }
 
 // ---- SRTM tiles -------------------------------------------------------------------------------------------------
@@ -216,6 +211,24 @@ static void parts_of_a_geotiff_make_the_whole(void **state) {
     }
 }
 
+static void files_that_share_more_than_a_border_are_named(void **state) {
+    skip_without_gdal();
+    static const int OVERLAPS[] = {1, 12, 20};
+    for (size_t i = 0; i < COUNT_OF(OVERLAPS); i++) {
+        char paths[4][192];
+        Heard heard;
+        Dem *dem;
+        cut_in_four(*state, "", OVERLAPS[i], paths);
+        assert_int_equal(load_paths(paths, 4, &dem, &heard), RESULT_OK);
+        assert_int_equal(dem->file_count, 4);
+        assert_string_equal(dem->files[3], paths[3]);
+        bool named = strstr(heard.warning, "overlap") && strstr(heard.warning, "part0.tif and ");
+        print_message("%d shared: '%s'\n", OVERLAPS[i], heard.warning);
+        assert_int_equal(named, OVERLAPS[i] > 16);
+        dem_destroy(&dem);
+    }
+}
+
 static void other_grids_are_refused(void **state) {
     skip_without_gdal();
     static const char *const OTHERS[] = {
@@ -241,6 +254,7 @@ int main(void) {
         cmocka_unit_test(distant_tiles_are_refused),
         cmocka_unit_test(shared_tiles_equal_gdals),
         cmocka_unit_test(parts_of_a_geotiff_make_the_whole),
+        cmocka_unit_test(files_that_share_more_than_a_border_are_named),
         cmocka_unit_test(other_grids_are_refused),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
