@@ -165,7 +165,7 @@ static void bind_inputs(const Scene *scene) {
 }
 
 static bool have_wire_program(Scene *scene) {
-    const ShaderSpec wire = {.stages = {"terrain.vert", "wire.frag"}};
+    const ShaderSpec wire = {.stages = {"terrain.vert", "wire.geom", "wire.frag"}};
     if (!scene->wire_program && shader_create_program(&wire, &scene->wire_program) != RESULT_OK)
         scene->wire_program = 0;
     return scene->wire_program != 0;

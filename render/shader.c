@@ -164,6 +164,8 @@ static GLenum stage_of(const char *file) {
     const char *suffix = strrchr(file, '.');
     if (suffix && strcmp(suffix, ".vert") == 0)
         return GL_VERTEX_SHADER;
+    if (suffix && strcmp(suffix, ".geom") == 0)
+        return GL_GEOMETRY_SHADER;
     if (suffix && strcmp(suffix, ".comp") == 0)
         return GL_COMPUTE_SHADER;
     return GL_FRAGMENT_SHADER;

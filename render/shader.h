@@ -4,9 +4,9 @@
 #pragma once
 #include "base/base.h"
 
-#define SHADER_STAGES_MAX 2
+#define SHADER_STAGES_MAX 3
 
-// One program: files of the shaders folder (base/paths.h), ending in .vert, .frag or .comp.
+// One program: files of the shaders folder (base/paths.h), ending in .vert, .geom, .frag or .comp.
 typedef struct ShaderSpec {
     const char *stages[SHADER_STAGES_MAX];
     const char *defines;         // "HOLES SAMPLES=4", or NULL

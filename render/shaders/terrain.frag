@@ -1,7 +1,7 @@
 #version 450 core
 // Terrain patches: the land and its water under sun and sky, through the air. In: see terrain.vert.
 // Out: the picture as displayed. Bindings: blocks 0, 1; textures 0-4 (ground.glsl), 8-9 (aerial.glsl), 10 the drape.
-// Defines: HOLES (voids are not drawn), DRAPE (an image lies on the land), WATER (there may be some).
+// Defines: SEA (the globe around is sea, not land), HOLES (voids are not drawn), DRAPE (an image lies on the land), WATER (there may be some).
 #include "frame.glsl"
 #include "ground.glsl"
 #include "aerial.glsl"
@@ -41,6 +41,17 @@ float sun_visible(vec2 uv, vec3 sun) {
     return smoothstep(tangent - 0.035, tangent + 0.035, sun_tangent);
 }
 
+#if !defined(SEA) && !defined(DRAPE)
+#define EDGE
+#endif
+
+// 0 at the edge of the data, 1 some pixels inside: seen from high above, the land runs out into the globe's.
+float known_share(vec2 uv, float spread) {
+    vec2 cells = min(uv, 1.0 - uv) * ground.noise.zw;
+    float wide = clamp(48.0 * (spread - 1.0), 1.0, 0.04 * min(ground.noise.z, ground.noise.w));
+    return smoothstep(0.0, wide, min(cells.x, cells.y));
+}
+
 void main() {
 #ifdef HOLES
     if (texture(hole_map, at_ground.xy * ground.texel.xy + ground.texel.zw).r > 0.5)
@@ -65,6 +76,11 @@ void main() {
 #ifdef DRAPE
     land.albedo = drape_over(land.albedo, at_ground.xy, middle.r + fine.r - 1.0);
 #endif
+#ifdef EDGE
+    float known = known_share(uv, spread);
+    land.albedo = mix(0.5 * (ANY_MEADOW + ANY_WOODS), land.albedo, known);
+    normal.xy *= known;
+#endif
     if (frame.mode.x != COLOUR_LAND)
         land.albedo = tint;
 
@@ -83,6 +99,9 @@ void main() {
 
     vec3 direction = round_m / metres;
 #ifdef WATER
+#ifdef EDGE
+    cell.a *= known;
+#endif
     float water = frame.mode.x == COLOUR_LAND ? smoothstep(0.40, 0.60, cell.a) : 0.0;
     if (water > 0.0) {
         vec3 to_eye = -to_local(local, normalize(at_m));
