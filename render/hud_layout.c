@@ -6,6 +6,8 @@
 
 #define UNIT_LEAST 0.72f // below it text could not be read
 #define PANEL_TEXT_LEAST_PX 10.5f
+#define PANEL_WIDTH_LEAST_PX 640 // of the window
+#define PANEL_HEIGHT_LEAST_PX 360
 #define MARGIN 12.0f // units, as all sizes below
 
 static CanvasRect rect_round(CanvasRect rect) {
@@ -76,20 +78,21 @@ static void place_help(HudLayout *layout) {
     layout->help = (CanvasRect){margin, margin, layout->width - margin, layout->height - margin};
 }
 
-HudLayout hud_layout_make(int width, int height, bool show_numbers) {
+HudLayout hud_layout_make(int width, int height, bool show_panels) {
     HudLayout layout = {.width = (float)width, .height = (float)height};
     layout.unit = fmaxf(fminf(layout.width / 1280.0f, layout.height / 800.0f), UNIT_LEAST);
     layout.text_px = roundf(17.0f * layout.unit);
     layout.small_px = fmaxf(roundf(13.0f * layout.unit), PANEL_TEXT_LEAST_PX);
     layout.row_px = roundf(layout.small_px * 1.34f);
     layout.centre = (CanvasPoint){layout.width * 0.5f, layout.height * 0.5f};
-    if (show_numbers)
+    if (show_panels && width >= PANEL_WIDTH_LEAST_PX && height >= PANEL_HEIGHT_LEAST_PX)
         place_panel(&layout);
     place_heading(&layout);
     place_lines(&layout);
     place_circle(&layout);
     place_speed(&layout);
     place_altitude(&layout);
+    layout.legend = layout.panel.x1 > layout.panel.x0 ? mirrored(&layout, layout.panel) : layout.panel;
     place_help(&layout);
     return layout;
 }

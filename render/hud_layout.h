@@ -21,14 +21,15 @@ typedef struct HudLayout {
     CanvasRect speed_box, altitude_box;     // the readouts
     CanvasRect speed_title, altitude_title; // one line above
     CanvasRect speed_notes, altitude_notes; // two lines below
-    CanvasRect panel;                       // room for HUD_PANEL_ROWS; empty when not asked for
+    CanvasRect panel;                       // room for HUD_PANEL_ROWS; empty when not asked for, or no room
+    CanvasRect legend;                      // as large, in the other corner
     CanvasRect note;                        // "paused"
     CanvasRect message;
     CanvasRect help; // the most that the page of keys may take
 } HudLayout;
 
-// `width`, `height` >= 1.
-HudLayout hud_layout_make(int width, int height, bool show_numbers);
+// `width`, `height` >= 1. `show_panels`: the panel of numbers, the legend, or both; below 640 x 360 there is no room.
+HudLayout hud_layout_make(int width, int height, bool show_panels);
 
 // The camera as the display needs it.
 typedef struct HudView {

@@ -37,7 +37,7 @@ void hud_paint(Canvas *canvas, Text *text, const RenderPacket *packet, const Ren
     const RenderHud *hud = &packet->hud;
     HudPainter painter = {.canvas = canvas,
                           .text = text,
-                          .layout = hud_layout_make(width, height, hud->show_numbers),
+                          .layout = hud_layout_make(width, height, hud->show_numbers || hud_wants_legend(packet)),
                           .view = hud_view_make(&packet->camera, width, height)};
     canvas_begin(canvas, painter.layout.unit);
     if (hud->show_help) {
@@ -46,7 +46,10 @@ void hud_paint(Canvas *canvas, Text *text, const RenderPacket *packet, const Ren
     }
     if (hud->show_flight)
         hud_paint_flight(&painter, packet);
-    if (hud->show_numbers)
+    bool room = painter.layout.panel.x1 > painter.layout.panel.x0;
+    if (hud->show_numbers && room)
         hud_paint_numbers(&painter, packet, previous);
+    if (hud_wants_legend(packet) && room)
+        hud_paint_legend(&painter, packet);
     hud_paint_message(&painter, hud);
 }

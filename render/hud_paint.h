@@ -23,6 +23,9 @@ void hud_paint_attitude(const HudPainter *painter, const RenderPacket *packet); 
 void hud_paint_scales(const HudPainter *painter, const RenderHud *hud);         // hud_scales.c
 void hud_paint_numbers(const HudPainter *painter, const RenderPacket *packet,
                        const RenderStats *previous); // hud_panel.c
+// Whether there are colours to explain.
+bool hud_wants_legend(const RenderPacket *packet);
+void hud_paint_legend(const HudPainter *painter, const RenderPacket *packet); // hud_legend.c
 void hud_paint_message(const HudPainter *painter, const RenderHud *hud);
 void hud_paint_help(const HudPainter *painter, const RenderHud *hud); // hud_help.c
 

@@ -138,6 +138,7 @@ static int list_rects(const HudLayout *l, NamedRect out[16]) {
         {"note", l->note},
         {"message", l->message},
         {"panel", l->panel},
+        {"legend", l->legend},
         {"speed", l->speed_scale.y1 > l->speed_scale.y0 ? l->speed_scale : l->speed_box},
         {"altitude", l->altitude_scale.y1 > l->altitude_scale.y0 ? l->altitude_scale : l->altitude_box},
     };
