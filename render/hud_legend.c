@@ -44,7 +44,7 @@ static Legend legend_of(const RenderPacket *packet) {
         most = n > most ? n : most;
     }
     int count = most < least ? 0 : most - least + 1;
-    return (Legend){levels ? "patch level" : "partition", levels ? "level" : "partition", least,
+    return (Legend){levels ? "level in its tile" : "partition", levels ? "level" : "partition", least,
                     count < ENTRIES_MAX ? count : ENTRIES_MAX};
 }
 
@@ -76,7 +76,7 @@ static void paint_numbered(const HudPainter *painter, const Legend *legend) {
     for (int i = 0; i < legend->count; i++) {
         char text[32];
         int n = legend->first + i;
-        snprintf(text, sizeof text, "%s %d%s", legend->entry, n, n == 0 && legend->entry[0] == 'l' ? ", coarsest" : "");
+        snprintf(text, sizeof text, "%s %d", legend->entry, n);
         paint_entry(painter, i + 1, cycle_colour(n), text);
     }
 }

@@ -22,16 +22,16 @@
 #include "tests/heard.h"
 
 typedef struct Variants {
-    const char *stages[2];
-    const char *switches[3]; // each on or off
+    const char *stages[SHADER_STAGES_MAX];
+    const char *switches[4]; // each on or off
     const char *always;
 } Variants;
 
 static const Variants VARIANTS[] = {
-    {{"terrain.vert", "terrain.frag"}, {"HOLES", "DRAPE", "WATER"}, ""},
-    {{"terrain.vert", "wire.frag"}, {NULL}, ""},
+    {{"terrain.vert", "terrain.frag"}, {"HOLES", "DRAPE", "WATER", "SEA"}, ""},
+    {{"terrain.vert", "wire.geom", "wire.frag"}, {NULL}, ""},
     {{"sky.vert", "sky.frag"}, {NULL}, ""},
-    {{"sky.vert", "globe.frag"}, {"DRAPE", NULL}, ""},
+    {{"sky.vert", "globe.frag"}, {"DRAPE", "SEA"}, ""},
     {{"fullscreen.vert", "atmosphere_transmittance.frag"}, {NULL}, ""},
     {{"fullscreen.vert", "atmosphere_multiple.frag"}, {NULL}, ""},
     {{"fullscreen.vert", "atmosphere_ground.frag"}, {NULL}, "GROUND_LIGHT_WIDTH=64 GROUND_LIGHT_HEIGHT=4"},
@@ -47,7 +47,8 @@ static bool compile_variant(const Variants *variants, unsigned choice) {
         if (choice >> i & 1)
             snprintf(defines + used, sizeof defines - used, " %s", variants->switches[i]);
     }
-    const ShaderSpec spec = {.stages = {variants->stages[0], variants->stages[1]}, .defines = defines};
+    ShaderSpec spec = {.defines = defines};
+    memcpy(spec.stages, variants->stages, sizeof spec.stages);
     unsigned program = 0;
     bool compiles = shader_create_program(&spec, &program) == RESULT_OK;
     if (compiles)
@@ -96,7 +97,8 @@ static void uniform_blocks_lie_as_in_c(void **state) {
         MEMBER(FrameBlock, FrameBlock, ray_ahead),     MEMBER(FrameBlock, FrameBlock, sun),
         MEMBER(FrameBlock, FrameBlock, eye_up),        MEMBER(FrameBlock, FrameBlock, sun_side),
         MEMBER(FrameBlock, FrameBlock, air),           ARRAY(FrameBlock, FrameBlock, light_sun),
-        ARRAY(FrameBlock, FrameBlock, light_sky),      MEMBER(FrameBlock, FrameBlock, mode),
+        ARRAY(FrameBlock, FrameBlock, light_sky),      MEMBER(FrameBlock, FrameBlock, wave_east),
+        MEMBER(FrameBlock, FrameBlock, wave_north),    MEMBER(FrameBlock, FrameBlock, mode),
         MEMBER(GroundBlock, GroundBlock, texel),       MEMBER(GroundBlock, GroundBlock, height),
         MEMBER(GroundBlock, GroundBlock, noise),       MEMBER(GroundBlock, GroundBlock, globe),
         MEMBER(DrapeBlock, DrapeBlock, globe),         MEMBER(DrapeBlock, DrapeBlock, map),

@@ -38,7 +38,11 @@ vec3 sea_light(vec3 up, Lights lights, vec3 look, vec3 direction, float metres) 
     vec3 to_eye = -vec3(dot(east, look), dot(north, look), dot(up, look));
     vec3 sun = vec3(dot(east, frame.sun.xyz), dot(north, frame.sun.xyz), dot(up, frame.sun.xyz));
     vec3 sun_light = lights.sun * smoothstep(-0.03, 0.03, sun.z);
-    return water_light(direction * metres / ROUND, to_eye, sun, mirrored, sun_light, lights.sky, 0.0);
+    vec3 at_m = direction * metres / ROUND;
+    vec2 place = vec2(dot(frame.wave_east.xyz, at_m), dot(frame.wave_north.xyz, at_m)) +
+                 vec2(frame.wave_east.w, frame.wave_north.w);
+    vec4 fine = texture(noise_map, mat2(15.0, 4.0, -4.0, 15.0) * place); // 155 m a repeat
+    return water_light(at_m, fine, to_eye, sun, mirrored, sun_light, lights.sky, 0.0);
 }
 #else
 // Woods and meadows of no particular place, in the colours of the land.

@@ -108,7 +108,7 @@ void main() {
         vec3 up_direction = reflect(direction, normalize(local.up * ROUND));
         vec3 mirrored = textureLod(sky_radiance, sky_coordinates(up_direction), 0.0).rgb;
         float shallow = 1.0 - smoothstep(0.5, 1.0, textureLod(surface_map, uv, 3.0).a);
-        vec3 light = water_light(at_m, to_eye, sun, mirrored, sun_light * lit, sky_light, shallow);
+        vec3 light = water_light(at_m, fine, to_eye, sun, mirrored, sun_light * lit, sky_light, shallow);
         radiance = mix(radiance, light, water);
     }
 #endif
