@@ -1,7 +1,8 @@
 #version 450 core
 // Terrain patches: the land and its water under sun and sky, through the air. In: see terrain.vert.
 // Out: the picture as displayed. Bindings: blocks 0, 1; textures 0-4 (ground.glsl), 8-9 (aerial.glsl), 10 the drape.
-// Defines: SEA (the globe around is sea, not land), HOLES (voids are not drawn), DRAPE (an image lies on the land), WATER (there may be some).
+// Defines: SEA (the globe around is sea, not land), HOLES (voids are not drawn), DRAPE (an image lies on the land),
+// WATER (there may be some).
 #include "frame.glsl"
 #include "ground.glsl"
 #include "aerial.glsl"

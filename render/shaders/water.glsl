@@ -24,8 +24,8 @@ Waves waves_at(vec3 at_m, vec4 fine, float pixel_m) {
     return Waves(normalize(vec3(slope, 1.0)), RIPPLES + dot(SLOPE * SLOPE * 0.18, 1.0 - kept * kept));
 }
 
-// `fine`: see waves_at; `to_eye`, `sun`: unit, local; `sky`: radiance the surface mirrors; `sun_light`: irradiance across the sun's rays;
-// `sky_light`: on level ground; `shallow`: 0 the open sea .. 1.
+// `fine`: see waves_at; `to_eye`, `sun`: unit, local; `sky`: radiance the surface mirrors; `sun_light`: irradiance
+// across the sun's rays; `sky_light`: on level ground; `shallow`: 0 the open sea .. 1.
 vec3 water_light(vec3 at_m, vec4 fine, vec3 to_eye, vec3 sun, vec3 sky, vec3 sun_light, vec3 sky_light,
                  float shallow) {
     Waves waves = waves_at(at_m, fine, length(at_m) / (frame.ray_right.w * max(to_eye.z, 0.02)));
