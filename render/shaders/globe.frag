@@ -41,8 +41,9 @@ vec3 sea_light(vec3 up, Lights lights, vec3 look, vec3 direction, float metres) 
     vec3 at_m = direction * metres / ROUND;
     vec2 place = vec2(dot(frame.wave_east.xyz, at_m), dot(frame.wave_north.xyz, at_m)) +
                  vec2(frame.wave_east.w, frame.wave_north.w);
-    vec4 fine = texture(noise_map, mat2(15.0, 4.0, -4.0, 15.0) * place); // 155 m a repeat
-    return water_light(at_m, fine, to_eye, sun, mirrored, sun_light, lights.sky, 0.0);
+    vec4 middle = texture(noise_map, place), fine = texture(noise_map, mat2(15.0, 4.0, -4.0, 15.0) * place);
+    Waves waves = waves_at(middle, fine, metres / (frame.ray_right.w * max(to_eye.z, 0.02)));
+    return water_light(waves, to_eye, sun, mirrored, sun_light, lights.sky, 0.0);
 }
 #else
 // Woods and meadows of no particular place, in the colours of the land.

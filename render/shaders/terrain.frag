@@ -109,7 +109,8 @@ void main() {
         vec3 up_direction = reflect(direction, normalize(local.up * ROUND));
         vec3 mirrored = textureLod(sky_radiance, sky_coordinates(up_direction), 0.0).rgb;
         float shallow = 1.0 - smoothstep(0.5, 1.0, textureLod(surface_map, uv, 3.0).a);
-        vec3 light = water_light(at_m, fine, to_eye, sun, mirrored, sun_light * lit, sky_light, shallow);
+        Waves waves = waves_at(middle, fine, metres / (frame.ray_right.w * max(to_eye.z, 0.02)));
+        vec3 light = water_light(waves, to_eye, sun, mirrored, sun_light * lit, sky_light, shallow);
         radiance = mix(radiance, light, water);
     }
 #endif
