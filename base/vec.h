@@ -84,11 +84,6 @@ static inline Quatd quatd_from_axis_angle(Vec3d unit_axis, double angle_rad) {
     double s = sin(angle_rad * 0.5);
     return (Quatd){cos(angle_rad * 0.5), unit_axis.x * s, unit_axis.y * s, unit_axis.z * s};
 }
-static inline Mat3d mat3d_from_quatd(Quatd q) {
-    return (Mat3d){{{1 - 2 * (q.y * q.y + q.z * q.z), 2 * (q.x * q.y - q.w * q.z), 2 * (q.x * q.z + q.w * q.y)},
-                    {2 * (q.x * q.y + q.w * q.z), 1 - 2 * (q.x * q.x + q.z * q.z), 2 * (q.y * q.z - q.w * q.x)},
-                    {2 * (q.x * q.z - q.w * q.y), 2 * (q.y * q.z + q.w * q.x), 1 - 2 * (q.x * q.x + q.y * q.y)}}};
-}
 static inline Vec3d quatd_rotate(Quatd q, Vec3d v) {
     Vec3d u = {q.x, q.y, q.z};
     Vec3d t = vec3d_scale(vec3d_cross(u, v), 2.0);

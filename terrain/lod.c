@@ -5,7 +5,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 static const LodOps *const METHODS[LOD_METHOD_COUNT] = {
     [LOD_HYBRID] = &LOD_HYBRID_OPS,
@@ -20,16 +19,6 @@ struct Lod {
 
 const char *lod_method_name(LodMethod method) {
     return METHODS[method]->name;
-}
-
-bool lod_method_from_name(const char *name, LodMethod *out) {
-    for (int i = 0; i < LOD_METHOD_COUNT; i++) {
-        if (strcmp(METHODS[i]->name, name) == 0) {
-            *out = (LodMethod)i;
-            return true;
-        }
-    }
-    return false;
 }
 
 LodOptions lod_default_options(void) {

@@ -12,7 +12,6 @@
 
 typedef enum LodMethod { LOD_HYBRID, LOD_BRUTE, LOD_METHOD_COUNT } LodMethod;
 const char *lod_method_name(LodMethod method); // "hybrid"
-bool lod_method_from_name(const char *name, LodMethod *out);
 
 typedef struct LodOptions {
     LodMethod method;

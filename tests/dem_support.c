@@ -156,3 +156,25 @@ Result support_load_paths(const DemOptions *options, const char *const *paths, i
 Result support_load(const DemOptions *options, const char *path, Dem **out, Heard *heard) {
     return support_load_paths(options, &path, 1, out, heard);
 }
+
+void support_skip_without_gdal(void) {
+    if (support_has_gdal())
+        return;
+    print_message("skipped: gdal-bin is not installed\n");
+    skip();
+}
+
+int dem_support_setup(void **state) {
+    DemSupport *support = malloc(sizeof *support);
+    if (!support)
+        return -1;
+    dem_support_begin(support);
+    *state = support;
+    return 0;
+}
+
+int dem_support_teardown(void **state) {
+    dem_support_end(*state);
+    free(*state);
+    return 0;
+}

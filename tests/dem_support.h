@@ -9,8 +9,9 @@
 #define SUPPORT_HEIGHT 61
 #define SUPPORT_NODATA (-9999)
 
-// False where gdal-bin is missing: the test is to skip.
 bool support_has_gdal(void);
+// Skips the test that calls it, by name, where gdal-bin is missing.
+void support_skip_without_gdal(void);
 
 typedef struct DemSupport {
     char folder[64];
@@ -18,6 +19,9 @@ typedef struct DemSupport {
 } DemSupport;
 void dem_support_begin(DemSupport *support);
 void dem_support_end(DemSupport *support);
+// The same as the fixture of a cmocka group: *state is a DemSupport.
+int dem_support_setup(void **state);
+int dem_support_teardown(void **state);
 // folder/name; `out` holds 192 bytes.
 void dem_support_path(const DemSupport *support, const char *name, char *out);
 // The height that the source has; SUPPORT_NODATA in its void.

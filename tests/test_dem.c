@@ -12,25 +12,6 @@
 
 #include "tests/dem_support.h"
 
-static void skip_without_gdal(void) {
-    if (support_has_gdal())
-        return;
-    print_message("skipped: gdal-bin is not installed\n");
-    skip();
-}
-
-static int setup(void **state) {
-    static DemSupport support;
-    dem_support_begin(&support);
-    *state = &support;
-    return 0;
-}
-
-static int teardown(void **state) {
-    dem_support_end(*state);
-    return 0;
-}
-
 // ---- Comparing --------------------------------------------------------------------------------------------------
 
 typedef struct Expected {
@@ -109,7 +90,7 @@ static void check_against_gdal(const DemSupport *support, const char *path, cons
 // ---- Storage ----------------------------------------------------------------------------------------------------
 
 static void every_storage_gives_gdals_samples(void **state) {
-    skip_without_gdal();
+    support_skip_without_gdal();
     static const struct {
         const char *arguments, *type;
     } CASES[] = {
@@ -150,14 +131,14 @@ static void every_storage_gives_gdals_samples(void **state) {
 }
 
 static void scale_and_offset_apply_to_samples(void **state) {
-    skip_without_gdal();
+    support_skip_without_gdal();
     char path[192];
     dem_support_translate(*state, "-ot Int16 -a_scale 0.1 -a_offset 100", "scaled.tif", path);
     check_against_gdal(*state, path, &(Expected){"int16", 0.1, 100.0, SUPPORT_NODATA, true});
 }
 
 static void feet_become_metres(void **state) {
-    skip_without_gdal();
+    support_skip_without_gdal();
     static const struct {
         const char *srs, *elements;
         double metres;
@@ -177,7 +158,7 @@ static void feet_become_metres(void **state) {
 }
 
 static void lowest_float_and_nan_are_voids(void **state) {
-    skip_without_gdal();
+    support_skip_without_gdal();
     char path[192];
     dem_support_translate(*state, "-ot Float32 -a_nodata nan", "nan.tif", path);
     Heard heard;
@@ -194,7 +175,7 @@ static void lowest_float_and_nan_are_voids(void **state) {
 }
 
 static void alpha_marks_voids_and_a_second_band_is_named(void **state) {
-    skip_without_gdal();
+    support_skip_without_gdal();
     char path[192];
     Heard heard;
     dem_support_translate(*state, "-ot UInt16 -b 1 -b mask -a_nodata none -co ALPHA=YES", "alpha.tif", path);
@@ -216,7 +197,7 @@ static void alpha_marks_voids_and_a_second_band_is_named(void **state) {
 // ---- Placement --------------------------------------------------------------------------------------------------
 
 static void placements_are_gdals(void **state) {
-    skip_without_gdal();
+    support_skip_without_gdal();
     static const struct {
         const char *what, *arguments;
         bool area;
@@ -248,7 +229,7 @@ static void placements_are_gdals(void **state) {
 }
 
 static void south_up_matrix_is_turned(void **state) {
-    skip_without_gdal();
+    support_skip_without_gdal();
     char vrt[192], path[192];
     const double transform[6] = {10.0, 0.001, 0.0, 45.0, 0.0, 0.001};
     dem_support_vrt(*state, "south.vrt", "EPSG:4326", transform, "", vrt);
@@ -258,7 +239,7 @@ static void south_up_matrix_is_turned(void **state) {
 }
 
 static void user_defined_utm_is_recognised(void **state) {
-    skip_without_gdal();
+    support_skip_without_gdal();
     char path[192];
     dem_support_translate(*state,
                           "-a_srs '+proj=tmerc +lat_0=0 +lon_0=15 +k=0.9996 +x_0=500000 +y_0=0 +datum=WGS84 +units=m' "
@@ -273,7 +254,7 @@ static void user_defined_utm_is_recognised(void **state) {
 }
 
 static void vertical_datum_comes_from_the_file(void **state) {
-    skip_without_gdal();
+    support_skip_without_gdal();
     static const struct {
         const char *srs;
         DemDatum datum;
@@ -298,7 +279,7 @@ static void vertical_datum_comes_from_the_file(void **state) {
 }
 
 static void given_datum_wins(void **state) {
-    skip_without_gdal();
+    support_skip_without_gdal();
     char path[192];
     dem_support_translate(*state, "-ot Int16", "given.tif", path);
     DemOptions options = dem_default_options();
@@ -315,7 +296,7 @@ static void given_datum_wins(void **state) {
 // ---- PNG --------------------------------------------------------------------------------------------------------
 
 static void png_is_placed_by_spacing_or_bounds(void **state) {
-    skip_without_gdal();
+    support_skip_without_gdal();
     char path[192];
     dem_support_translate(*state, "-of PNG -ot UInt16 -a_nodata none", "gray.png", path);
     DemOptions options = dem_default_options();
@@ -345,7 +326,7 @@ static void png_is_placed_by_spacing_or_bounds(void **state) {
 }
 
 static void png_with_nodata_has_voids(void **state) {
-    skip_without_gdal();
+    support_skip_without_gdal();
     char path[192];
     dem_support_translate(*state, "-of PNG -ot UInt16 -a_nodata 0", "nodata.png", path);
     DemOptions options = dem_default_options();
@@ -359,7 +340,7 @@ static void png_with_nodata_has_voids(void **state) {
 }
 
 static void terrarium_decodes_three_channels(void **state) {
-    skip_without_gdal();
+    support_skip_without_gdal();
     char ppm[192], path[192];
     dem_support_path(*state, "terrarium.ppm", ppm);
     dem_support_path(*state, "terrarium.png", path);
@@ -386,7 +367,7 @@ static void terrarium_decodes_three_channels(void **state) {
 // ---- Voids ------------------------------------------------------------------------------------------------------
 
 static void voids_are_filled_smoothly_from_their_rim(void **state) {
-    skip_without_gdal();
+    support_skip_without_gdal();
     char path[192];
     dem_support_translate(*state, "-ot Int16", "voids.tif", path);
     Heard heard;
@@ -410,7 +391,7 @@ static void voids_are_filled_smoothly_from_their_rim(void **state) {
 }
 
 static void hole_marks_voids_and_error_refuses_them(void **state) {
-    skip_without_gdal();
+    support_skip_without_gdal();
     char path[192];
     dem_support_translate(*state, "-ot Int16", "hole.tif", path);
     DemOptions options = dem_default_options();
@@ -433,7 +414,7 @@ static void hole_marks_voids_and_error_refuses_them(void **state) {
 }
 
 static void plane_is_restored_across_a_large_void(void **state) {
-    skip_without_gdal();
+    support_skip_without_gdal();
     char asc[192], path[192];
     dem_support_path(*state, "plane.asc", asc);
     dem_support_path(*state, "plane.tif", path);
@@ -459,7 +440,7 @@ static void plane_is_restored_across_a_large_void(void **state) {
 // ---- The data at hand -------------------------------------------------------------------------------------------
 
 static void shared_files_have_gdals_samples(void **state) {
-    skip_without_gdal();
+    support_skip_without_gdal();
     static const struct {
         const char *name, *type;
         double scale;
@@ -508,5 +489,5 @@ int main(void) {
         cmocka_unit_test(plane_is_restored_across_a_large_void),
         cmocka_unit_test(shared_files_have_gdals_samples),
     };
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, dem_support_setup, dem_support_teardown);
 }

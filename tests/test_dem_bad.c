@@ -14,25 +14,6 @@
 #include "tests/cut_support.h"
 #include "tests/dem_support.h"
 
-static void skip_without_gdal(void) {
-    if (support_has_gdal())
-        return;
-    print_message("skipped: gdal-bin is not installed\n");
-    skip();
-}
-
-static int setup(void **state) {
-    static DemSupport support;
-    dem_support_begin(&support);
-    *state = &support;
-    return 0;
-}
-
-static int teardown(void **state) {
-    dem_support_end(*state);
-    return 0;
-}
-
 // ---- Refusals ---------------------------------------------------------------------------------------------------
 
 static void expect_refusal(const char *path, Result expected, const char *words) {
@@ -81,7 +62,7 @@ static void other_kinds_of_file_are_refused(void **state) {
 }
 
 static void unsupported_geotiffs_name_the_command_that_mends_them(void **state) {
-    skip_without_gdal();
+    support_skip_without_gdal();
     static const struct {
         const char *arguments;
         Result result;
@@ -111,7 +92,7 @@ static void unsupported_geotiffs_name_the_command_that_mends_them(void **state) 
 }
 
 static void image_without_coordinate_system_asks_for_it(void **state) {
-    skip_without_gdal();
+    support_skip_without_gdal();
     char path[192];
     dem_support_path(*state, "nowhere.tif", path);
     support_run("gdal_translate -q %s %s", (*(DemSupport **)state)->source, path);
@@ -119,7 +100,7 @@ static void image_without_coordinate_system_asks_for_it(void **state) {
 }
 
 static void rotated_matrix_is_refused(void **state) {
-    skip_without_gdal();
+    support_skip_without_gdal();
     static const double TURNED[][6] = {{10.0, 0.001, 0.0002, 46.0, 0.0002, -0.001},
                                        {11.0, -0.001, 0.0, 46.0, 0.0, -0.001},
                                        {10.0, 0.0, 0.001, 46.0, 0.001, 0.0}};
@@ -133,7 +114,7 @@ static void rotated_matrix_is_refused(void **state) {
 }
 
 static void pictures_are_no_elevation(void **state) {
-    skip_without_gdal();
+    support_skip_without_gdal();
     char path[192];
     dem_support_translate(*state, "-of PNG -ot Byte -a_nodata none", "eight.png", path);
     expect_refusal(path, RESULT_FORMAT, "16-bit");
@@ -162,7 +143,7 @@ static void set_tag(uint8_t *tiff, size_t count, unsigned tag, uint32_t value) {
 }
 
 static void lying_tiff_headers_are_refused(void **state) {
-    skip_without_gdal();
+    support_skip_without_gdal();
     static const struct {
         const char *arguments;
         unsigned tag;
@@ -260,7 +241,7 @@ static void damage(const char *path, int times) {
 }
 
 static void damaged_images_never_crash(void **state) {
-    skip_without_gdal();
+    support_skip_without_gdal();
     static const struct {
         const char *arguments, *name;
     } CASES[] = {
@@ -309,5 +290,5 @@ int main(void) {
         cmocka_unit_test(damaged_images_never_crash),
         cmocka_unit_test(damaged_tiles_never_crash),
     };
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, dem_support_setup, dem_support_teardown);
 }

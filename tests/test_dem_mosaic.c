@@ -15,25 +15,6 @@
 
 #define TILE 1201
 
-static void skip_without_gdal(void) {
-    if (support_has_gdal())
-        return;
-    print_message("skipped: gdal-bin is not installed\n");
-    skip();
-}
-
-static int setup(void **state) {
-    static DemSupport support;
-    dem_support_begin(&support);
-    *state = &support;
-    return 0;
-}
-
-static int teardown(void **state) {
-    dem_support_end(*state);
-    return 0;
-}
-
 static Result load_paths(char (*paths)[192], int count, Dem **out, Heard *heard) {
     const char *list[8];
     for (int i = 0; i < count; i++)
@@ -152,7 +133,7 @@ static void distant_tiles_are_refused(void **state) {
 
 static void shared_tiles_equal_gdals(void **state) {
     (void)state;
-    skip_without_gdal();
+    support_skip_without_gdal();
     const char *zip = SHARED_DIR "/dem/N20W157.hgt.zip";
     if (access(zip, R_OK)) {
         print_message("skipped: no %s\n", zip);
@@ -189,7 +170,7 @@ static void cut_in_four(const DemSupport *support, const char *storage, int over
 }
 
 static void parts_of_a_geotiff_make_the_whole(void **state) {
-    skip_without_gdal();
+    support_skip_without_gdal();
     static const struct {
         const char *storage;
         int overlap;
@@ -212,7 +193,7 @@ static void parts_of_a_geotiff_make_the_whole(void **state) {
 }
 
 static void files_that_share_more_than_a_border_are_named(void **state) {
-    skip_without_gdal();
+    support_skip_without_gdal();
     static const int OVERLAPS[] = {1, 12, 20};
     for (size_t i = 0; i < COUNT_OF(OVERLAPS); i++) {
         char paths[4][192];
@@ -230,7 +211,7 @@ static void files_that_share_more_than_a_border_are_named(void **state) {
 }
 
 static void other_grids_are_refused(void **state) {
-    skip_without_gdal();
+    support_skip_without_gdal();
     static const char *const OTHERS[] = {
         "-ot Int16 -a_srs EPSG:32633 -a_ullr 400000 5200000 409700 5193900", // another system
         "-ot Int16 -a_ullr 10.09 45.06 10.18 45.0",                          // another distance
@@ -257,5 +238,5 @@ int main(void) {
         cmocka_unit_test(files_that_share_more_than_a_border_are_named),
         cmocka_unit_test(other_grids_are_refused),
     };
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, dem_support_setup, dem_support_teardown);
 }
