@@ -4,7 +4,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/statistics.h"
-#include "terrain/error_field.h"
+#include "terrain/errors/error_field.h"
 
 #include <inttypes.h>
 #include <math.h>

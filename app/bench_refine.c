@@ -6,7 +6,7 @@
 #include "base/log.h"
 #include "base/statistics.h"
 #include "terrain/geodesy.h"
-#include "terrain/lod.h"
+#include "terrain/lod/lod.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 #include "app/json.h"
 #include "app/scene_load.h"
 #include "base/log.h"
-#include "terrain/dem.h"
+#include "terrain/dem/dem.h"
 
 #include <stdio.h>
 

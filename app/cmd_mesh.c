@@ -4,8 +4,8 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "terrain/geodesy.h"
-#include "terrain/measure.h"
-#include "terrain/mesh.h"
+#include "terrain/measure/measure.h"
+#include "terrain/mesh/mesh.h"
 
 #include <inttypes.h>
 #include <math.h>

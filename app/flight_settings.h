@@ -7,7 +7,7 @@
 #include "config/options.h"
 #include "input/action.h"
 #include "render/render.h"
-#include "terrain/lod.h"
+#include "terrain/lod/lod.h"
 
 typedef struct FlightSettings {
     LodMethod method;

@@ -7,7 +7,7 @@
 #include "base/paths.h"
 #include "render/context.h"
 #include "render/render.h"
-#include "terrain/lod.h"
+#include "terrain/lod/lod.h"
 
 #define PIPELINE_MESSAGE_BYTES 160
 

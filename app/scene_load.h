@@ -9,7 +9,7 @@
 #include "config/scene.h"
 #include "terrain/geo.h"
 #include "terrain/jobs.h"
-#include "terrain/lod.h"
+#include "terrain/lod/lod.h"
 #include "terrain/terrain.h"
 
 typedef struct World {

@@ -32,12 +32,15 @@ install(FILES ${data}/desktop/overfly.svg DESTINATION ${CMAKE_INSTALL_DATADIR}/i
 install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/NOTICE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 # The terrain as a library of its own: static archives, the headers others need, and overfly-terrain.pc.
-set(terrain_headers dem geo geodesy grid jobs lod measure terrain)
-list(TRANSFORM terrain_headers REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/terrain/\\1.h")
+set(terrain_headers dem/dem geo geodesy grid jobs lod/lod measure/measure terrain)
 set(base_headers arena base clock log paths vec)
 list(TRANSFORM base_headers REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/base/\\1.h")
 install(TARGETS overfly_terrain overfly_assets overfly_base ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(FILES ${terrain_headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/overfly/terrain)
+foreach(header ${terrain_headers})
+  cmake_path(GET header PARENT_PATH folder)
+  install(FILES ${PROJECT_SOURCE_DIR}/terrain/${header}.h
+          DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/overfly/terrain/${folder})
+endforeach()
 install(FILES ${base_headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/overfly/base)
 
 # Relative to the .pc file, so that the prefix may be chosen when installing.

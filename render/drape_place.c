@@ -2,8 +2,8 @@
 
 #include "assets/image.h"
 #include "base/log.h"
+#include "terrain/dem/geotiff_tags.h"
 #include "terrain/geo.h"
-#include "terrain/geotiff_tags.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,7 +3,7 @@
 // A PatchCache owns the buffer and belongs to the thread that has the context current.
 #pragma once
 #include "base/base.h"
-#include "terrain/lod.h"
+#include "terrain/lod/lod.h"
 
 typedef struct PatchCache PatchCache;
 

@@ -4,7 +4,7 @@
 #pragma once
 #include "base/base.h"
 #include "base/vec.h"
-#include "terrain/lod.h"
+#include "terrain/lod/lod.h"
 #include "terrain/terrain.h"
 
 typedef enum RenderColouring {

@@ -6,7 +6,7 @@
 #pragma once
 #include "base/base.h"
 #include "base/vec.h"
-#include "terrain/dem.h"
+#include "terrain/dem/dem.h"
 
 #define GRID_LATTICE_PER_M 4096 // 2^12: an int32 offset reaches 524 km
 #define GRID_LATTICE_M (1.0 / GRID_LATTICE_PER_M)

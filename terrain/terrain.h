@@ -5,7 +5,7 @@
 #pragma once
 #include "base/base.h"
 #include "base/vec.h"
-#include "terrain/dem.h"
+#include "terrain/dem/dem.h"
 #include "terrain/geo.h"
 #include "terrain/grid.h"
 #include "terrain/jobs.h"

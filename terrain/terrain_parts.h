@@ -2,9 +2,9 @@
 // Metres above the ellipsoid; columns and rows in samples.
 // The Terrain owns all parts but the geoid, which it borrows.
 #pragma once
-#include "terrain/error_field.h"
+#include "terrain/errors/error_field.h"
 #include "terrain/forest.h"
-#include "terrain/patch_forest.h"
+#include "terrain/patches/patch_forest.h"
 #include "terrain/terrain.h"
 
 struct Terrain {

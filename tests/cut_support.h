@@ -1,9 +1,9 @@
 // tests/cut_support.h: terrains, flights and checks shared by the tests of cuts.
-// As terrain/lod.h. Random numbers from seeds that the tests print.
+// As terrain/lod/lod.h. Random numbers from seeds that the tests print.
 // What is created here is destroyed by the test. Failures end the test through cmocka.
 #pragma once
-#include "terrain/lod.h"
-#include "terrain/measure.h"
+#include "terrain/lod/lod.h"
+#include "terrain/measure/measure.h"
 
 uint64_t support_random(uint64_t *state);
 double support_between(uint64_t *state, double low, double high);

@@ -3,7 +3,7 @@
 // Files lie in a folder of the test's own, which dem_support_end removes.
 #pragma once
 #include "base/log.h"
-#include "terrain/dem.h"
+#include "terrain/dem/dem.h"
 
 #define SUPPORT_WIDTH 97
 #define SUPPORT_HEIGHT 61

@@ -1,6 +1,6 @@
 // Nested errors: exact nesting on every vertex, the same bits from both schemes and any number of workers, and the
 // total error against a scan of all samples in double.
-#include "terrain/error_field.h"
+#include "terrain/errors/error_field.h"
 #include "terrain/terrain_parts.h"
 #include "tests/cut_support.h"
 

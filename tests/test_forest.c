@@ -1,9 +1,9 @@
 // The forest covers every cell once, and patches, templates and index lists are what their headers say.
 #include "terrain/forest.h"
-#include "terrain/index_pool.h"
-#include "terrain/partition.h"
-#include "terrain/patch_forest.h"
-#include "terrain/refine.h"
+#include "terrain/lod/partition.h"
+#include "terrain/patches/index_pool.h"
+#include "terrain/patches/patch_forest.h"
+#include "terrain/patches/refine.h"
 #include "terrain/terrain_parts.h"
 #include "tests/cut_support.h"
 

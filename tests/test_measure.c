@@ -2,7 +2,7 @@
 // one is condemned.
 #include "base/log.h"
 #include "terrain/grid.h"
-#include "terrain/measure.h"
+#include "terrain/measure/measure.h"
 
 #include <inttypes.h>
 #include <math.h>

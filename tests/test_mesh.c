@@ -2,7 +2,7 @@
 #define _GNU_SOURCE
 #include "base/log.h"
 #include "terrain/geo.h"
-#include "terrain/mesh.h"
+#include "terrain/mesh/mesh.h"
 
 #include <errno.h>
 #include <inttypes.h>

@@ -2,7 +2,7 @@
 #include "base/arena.h"
 #include "base/log.h"
 #include "terrain/geodesy.h"
-#include "terrain/mesh.h"
+#include "terrain/mesh/mesh.h"
 #include "tests/cut_support.h"
 
 #include <inttypes.h>

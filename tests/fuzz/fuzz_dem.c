@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "base/log.h"
-#include "terrain/dem.h"
+#include "terrain/dem/dem.h"
 
 static void drop_message(void *user, LogLevel level, const char *message) {
     (void)user, (void)level, (void)message;

@@ -3,8 +3,8 @@
 #include <stdio.h>
 
 #include "terrain/geodesy.h"
-#include "terrain/lod.h"
-#include "terrain/measure.h"
+#include "terrain/lod/lod.h"
+#include "terrain/measure/measure.h"
 
 static Vec3d eye_above(const Dem *dem, double h_m) {
     DemBounds b;

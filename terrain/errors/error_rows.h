@@ -1,0 +1,45 @@
+// terrain/errors/error_rows.h: what the schemes that compute an error field share: the terms that depend on the row
+// only, and the arithmetic of one vertex, so that every scheme gives the same bits. Metres; plane entries
+// (error_field.h). An ErrorWork belongs to error_field_create and lives during that call.
+#pragma once
+#include "terrain/errors/error_field.h"
+
+// Upper bounds for the vertices of one plane row.
+typedef struct ErrorTerms {
+    float edge_reach2, centre_reach2; // squared horizontal distance from a vertex to its children
+    float edge_sag, centre_sag;       // by the Earth's and the map's curvature, by rounding of heights and positions
+    float edge_drift, centre_drift;   // a metre of height range among the corners: the vertical turns over the diamond
+} ErrorTerms;
+
+typedef struct ErrorForced {
+    int32_t i, j; // plane entry
+} ErrorForced;
+
+typedef struct ErrorWork {
+    const ErrorFieldInput *input;
+    int width, height;                     // samples
+    ErrorTerms *terms[FOREST_LEVEL_MAX];   // [plane][row]
+    ErrorForced *forced[FOREST_LEVEL_MAX]; // corners of base tiles
+    int32_t forced_count[FOREST_LEVEL_MAX];
+} ErrorWork;
+
+static inline const float *error_height_row(const ErrorWork *work, int row) {
+    return work->input->height_m + (size_t)row * (size_t)work->width;
+}
+
+static inline float error_midpoint(float h, float left, float right) {
+    float d = h - 0.5f * (left + right);
+    return d < 0.0f ? -d : d;
+}
+
+// The radius that a child at height `hc` with radius code `code` asks of its parent.
+static inline float error_reach(float h, float hc, float reach2, uint16_t code) {
+    float d = h - hc;
+    return __builtin_sqrtf(reach2 + d * d) + error_field_decode(code);
+}
+
+// Codes of own errors for TERRAIN_ERROR_TOTAL, written to delta, before nesting. Forced entries are left as they are.
+MUST_USE Result error_total_own(const ErrorWork *work, Jobs *jobs, ErrorField *field);
+// Fill delta and radius, finest plane first.
+MUST_USE Result error_nest_parallel(const ErrorWork *work, Jobs *jobs, ErrorField *field);
+MUST_USE Result error_nest_recursive(const ErrorWork *work, ErrorField *field);

@@ -1,0 +1,92 @@
+// terrain/lod/lod.h: choose which triangles to draw for one view. Many methods, one interface.
+// Units: ECEF metres in double; page positions in lattice units (grid.h). Errors in pixels at the image centre.
+// A Lod borrows its Terrain, which must outlive it; one thread at a time may use it.
+#pragma once
+#include "base/arena.h"
+#include "base/base.h"
+#include "base/vec.h"
+#include "terrain/jobs.h"
+#include "terrain/terrain.h"
+
+#define LOD_PARTITIONS_MAX 64
+
+typedef enum LodMethod { LOD_HYBRID, LOD_BRUTE, LOD_METHOD_COUNT } LodMethod;
+const char *lod_method_name(LodMethod method); // "hybrid"
+
+typedef struct LodOptions {
+    LodMethod method;
+    int partitions;        // along the observer line; 0: one per worker
+    int64_t max_triangles; // > 0; above it the tolerance is raised
+    size_t page_bytes_max; // CPU memory for vertex pages no longer drawn
+    bool reuse;            // false: every patch is triangulated anew each frame
+    uint32_t serial;       // 0 .. 2^24 - 1; Lods drawn by one renderer have different ones, and so have their pages
+} LodOptions;
+LodOptions lod_default_options(void);
+
+typedef struct LodView {
+    Vec3d eye_ecef;     // metres, finite
+    Vec3d forward_ecef; // unit; the observer line is its horizontal direction. Balances work, changes no triangle
+    double px_per_rad;  // at the image centre: height_px / (2 tan(fov_y / 2)), > 0
+    double tau_px;      // tolerated error, pixels, > 0
+} LodView;
+
+// The static vertices of a patch. Constant once made; lives until lod_release allows its end.
+typedef struct LodVertex {
+    int32_t x, y, z;   // lattice units from the page's origin
+    uint16_t col, row; // samples from the page's (col0, row0)
+} LodVertex;
+typedef struct LodPage {
+    uint64_t id;          // never used again for other contents
+    int32_t vertex_count; // <= 65536
+    int32_t col0, row0;
+    GridPoint origin; // multiples of GRID_LATTICE_PER_M: whole metres
+    const LodVertex *vertices;
+} LodPage;
+
+typedef enum LodItemState {
+    LOD_ITEM_REUSED,  // as in the frame before
+    LOD_ITEM_REBUILT, // triangulated anew this frame
+} LodItemState;
+
+typedef struct LodItem {
+    const LodPage *page;
+    uint64_t revision;       // of the index list; never used again for other contents
+    const uint16_t *indices; // 3 a triangle, counter-clockwise seen from above; lives until lod_release
+    int32_t index_count;
+    uint8_t level; // of the patch in its base tile's bintree: 0 the coarsest
+    uint8_t state; // LodItemState
+    uint16_t partition;
+    Vec3d centre_ecef; // of a sphere around everything the patch can draw
+    double radius_m;
+} LodItem;
+
+typedef struct LodStats {
+    int64_t triangles, patches, patches_reused, triangles_rebuilt;
+    int64_t vertices;           // drawn, counted per patch
+    int64_t vertices_evaluated; // activity decisions this frame
+    int64_t index_bytes;        // that changed
+    int64_t select_ns, refine_ns;
+} LodStats;
+
+typedef struct LodCut {
+    uint64_t frame; // counts up from 1
+    LodView view;
+    double reached_px; // the error that holds: tau_px, or more when the budget was reached
+    bool promises;     // whether the method bounds the error at every sample
+    int32_t item_count;
+    const LodItem *items; // in the order of the patch hierarchy; in `frame`'s memory
+    LodStats stats;
+} LodCut;
+
+typedef struct Lod Lod;
+MUST_USE Result lod_create(const LodOptions *options, const Terrain *terrain, Lod **out);
+void lod_destroy(Lod **lod);
+
+// The cut for this view, in `frame` until arena_reset; pages and index lists until lod_release. The same
+// sequence of views gives the same bytes for any number of workers and partitions. RANGE: a view that is not
+// finite or not positive. BUDGET: the triangle budget was reached, the cut is valid and cut->reached_px says which
+// error holds instead.
+MUST_USE Result lod_update(Lod *lod, const LodView *view, Jobs *jobs, Arena *frame, LodCut *cut);
+
+// Cuts up to and including `frame` are no longer read by anyone.
+void lod_release(Lod *lod, uint64_t frame);

@@ -1,0 +1,228 @@
+#include "terrain/measure/measure.h"
+
+#include "base/log.h"
+#include "terrain/measure/measure_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// ---- memory ----
+
+static void run_end(MeasureRun *run) {
+    for (int i = 0; run->workers && i < run->worker_count; i++) {
+        free(run->workers[i].table);
+        free(run->workers[i].open);
+        free(run->workers[i].used);
+    }
+    free(run->workers);
+    free(run->first_ordinal);
+    free((void *)run->cells);
+    free((void *)run->errors);
+    free((void *)run->vertices);
+}
+
+static Result number_vertices(MeasureRun *run) {
+    int64_t ordinal = 1, indices = 32;
+    for (int32_t i = 0; i < run->cut->item_count; i++) {
+        const LodItem *item = &run->cut->items[i];
+        run->first_ordinal[i] = ordinal;
+        ordinal += item->page->vertex_count;
+        indices = item->index_count > indices ? item->index_count : indices;
+    }
+    if (ordinal > MEASURE_ORDINAL) {
+        log_error("measure: the cut has %lld vertices, at most %u can be measured", (long long)ordinal,
+                  MEASURE_ORDINAL);
+        return RESULT_RANGE;
+    }
+    for (run->table_size = 64; run->table_size < 2 * indices;)
+        run->table_size *= 2;
+    return RESULT_OK;
+}
+
+static Result create_workers(MeasureRun *run, int count) {
+    run->workers = calloc((size_t)count, sizeof *run->workers);
+    if (!run->workers)
+        return RESULT_MEMORY;
+    run->worker_count = count;
+    for (int i = 0; i < count; i++) {
+        MeasureWorker *worker = &run->workers[i];
+        worker->max_px = -1.0;
+        worker->table = malloc(sizeof *worker->table * (size_t)run->table_size);
+        worker->used = malloc(UINT16_MAX + 1);
+        if (!worker->table || !worker->used)
+            return RESULT_MEMORY;
+    }
+    return RESULT_OK;
+}
+
+static Result run_begin(MeasureRun *run, int workers) {
+    const Dem *dem = run->dem;
+    run->samples = (int64_t)dem->width * dem->height;
+    run->cell_count = (int64_t)(dem->width - 1) * (dem->height - 1);
+    run->vertices = calloc((size_t)run->samples, sizeof *run->vertices);
+    run->errors = malloc((size_t)run->samples * sizeof *run->errors);
+    run->cells = calloc((size_t)run->cell_count, sizeof *run->cells);
+    run->first_ordinal = malloc(sizeof *run->first_ordinal * (size_t)(run->cut->item_count + 1));
+    if (!run->vertices || !run->errors || !run->cells || !run->first_ordinal)
+        return RESULT_MEMORY;
+    memset((void *)run->errors, 0xff, (size_t)run->samples * sizeof *run->errors); // MEASURE_NOT_COVERED
+    Result result = number_vertices(run);
+    return result == RESULT_OK ? create_workers(run, workers) : result;
+}
+
+// ---- passes over the items ----
+
+static void task_mark(void *user, int64_t begin, int64_t end, int worker) {
+    MeasureRun *run = user;
+    measure_mark_vertices(run, &run->workers[worker], begin, end);
+}
+
+static void task_measure(void *user, int64_t begin, int64_t end, int worker) {
+    MeasureRun *run = user;
+    measure_find_junctions(run, begin, end);
+    measure_rasterise(run, &run->workers[worker], begin, end);
+}
+
+// ---- wholeness ----
+
+static void count_vertices(const MeasureRun *run, Measure *out) {
+    for (int64_t i = 0; i < run->samples; i++) {
+        uint32_t bits = atomic_load_explicit(&run->vertices[i], memory_order_relaxed);
+        out->holes += (bits & MEASURE_SPLIT) != 0;
+        out->t_junctions += (bits & MEASURE_JUNCTION) != 0;
+    }
+}
+
+static void count_cells(const MeasureRun *run, Measure *out) {
+    const uint8_t whole = MEASURE_NORTH | MEASURE_SOUTH, twice = MEASURE_NORTH_TWICE | MEASURE_SOUTH_TWICE;
+    for (int64_t i = 0; i < run->cell_count; i++) {
+        uint8_t bits = atomic_load_explicit(&run->cells[i], memory_order_relaxed);
+        out->holes += (bits & whole) != whole;
+        out->overlaps += (bits & twice) != 0;
+    }
+}
+
+// The areas add up, whatever the shapes of the triangles.
+static void check_area(const MeasureRun *run, Measure *out) {
+    int64_t area2 = 0;
+    for (int i = 0; i < run->worker_count; i++) {
+        area2 += run->workers[i].area2;
+        out->overlaps += run->workers[i].unsound;
+    }
+    out->holes += area2 < 2 * run->cell_count && !out->holes;
+    out->overlaps += area2 > 2 * run->cell_count && !out->overlaps;
+}
+
+// ---- distance ----
+
+static float float_from_bits(uint32_t bits) {
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+// Sums by rows, then over the rows: the order does not depend on who measured.
+static void sum_samples(const MeasureRun *run, Measure *out) {
+    double sum = 0.0;
+    int64_t above = 0;
+    for (int64_t row = 0, i = 0; row < run->dem->height; row++) {
+        double row_sum = 0.0;
+        for (int64_t col = 0; col < run->dem->width; col++, i++) {
+            uint32_t bits = atomic_load_explicit(&run->errors[i], memory_order_relaxed);
+            if (bits == MEASURE_NOT_COVERED) {
+                out->holes++;
+                continue;
+            }
+            double px = (double)float_from_bits(bits);
+            row_sum += px * px;
+            above += px > run->cut->view.tau_px;
+            out->samples++;
+        }
+        sum += row_sum;
+    }
+    out->rms_px = out->samples ? sqrt(sum / (double)out->samples) : 0.0;
+    out->above_tau_share = out->samples ? (double)above / (double)out->samples : 0.0;
+}
+
+// Which value of the 16 bits above `shift` holds the rank-th smallest of the samples that have `prefix` above those;
+// the rank becomes the one among them.
+static uint32_t digit_of_rank(const MeasureRun *run, int64_t *counts, uint32_t prefix, int shift, int64_t *rank) {
+    memset(counts, 0, sizeof *counts << 16);
+    for (int64_t i = 0; i < run->samples; i++) {
+        uint32_t bits = atomic_load_explicit(&run->errors[i], memory_order_relaxed);
+        if (bits != MEASURE_NOT_COVERED && (shift == 16 || bits >> 16 == prefix))
+            counts[bits >> shift & 0xffff]++;
+    }
+    uint32_t digit = 0;
+    for (; digit < 0xffff && *rank >= counts[digit]; digit++)
+        *rank -= counts[digit];
+    return digit;
+}
+
+// The smallest error that at least `share` of the samples do not exceed: exact, by radix selection.
+static Result percentile(const MeasureRun *run, int64_t samples, double share, double *out) {
+    int64_t *counts = malloc(sizeof *counts << 16);
+    if (!counts)
+        return RESULT_MEMORY;
+    int64_t rank = (int64_t)ceil(share * (double)samples) - 1;
+    uint32_t high = digit_of_rank(run, counts, 0, 16, &rank);
+    uint32_t low = digit_of_rank(run, counts, high, 0, &rank);
+    free(counts);
+    *out = (double)float_from_bits(high << 16 | low);
+    return RESULT_OK;
+}
+
+static void find_worst(const MeasureRun *run, Measure *out) {
+    double max_px = -1.0;
+    int64_t worst = 0;
+    for (int i = 0; i < run->worker_count; i++) {
+        const MeasureWorker *worker = &run->workers[i];
+        if (worker->max_px > max_px || (worker->max_px == max_px && worker->worst < worst)) {
+            max_px = worker->max_px;
+            worst = worker->worst;
+        }
+    }
+    out->max_px = max_px < 0.0 ? 0.0 : max_px;
+    out->worst_col = (int)(worst % run->dem->width);
+    out->worst_row = (int)(worst / run->dem->width);
+}
+
+static Result join(const MeasureRun *run, Measure *out) {
+    for (int i = 0; i < run->worker_count; i++)
+        if (run->workers[i].out_of_memory)
+            return RESULT_MEMORY;
+    Result result = measure_join_edges(run, out);
+    if (result != RESULT_OK)
+        return result;
+    count_vertices(run, out);
+    count_cells(run, out);
+    sum_samples(run, out);
+    check_area(run, out);
+    find_worst(run, out);
+    if (!out->samples)
+        return RESULT_OK;
+    result = percentile(run, out->samples, 0.999, &out->p999_px);
+    return result == RESULT_OK ? percentile(run, out->samples, 0.99, &out->p99_px) : result;
+}
+
+Result measure_cut_of(const Dem *dem, const Grid *grid, const LodCut *cut, Jobs *jobs, Measure *out) {
+    MeasureRun run = {.dem = dem, .grid = grid, .cut = cut};
+    Measure measure = {0};
+    Result result = run_begin(&run, jobs_worker_count(jobs));
+    if (result == RESULT_OK) {
+        jobs_run(jobs, cut->item_count, 1, task_mark, &run);
+        jobs_run(jobs, cut->item_count, 1, task_measure, &run);
+        result = join(&run, &measure);
+    }
+    run_end(&run);
+    if (result == RESULT_MEMORY)
+        log_error("measure: no memory for %d x %d samples; measure a smaller DEM", dem->width, dem->height);
+    if (result == RESULT_OK)
+        *out = measure;
+    return result;
+}
+
+Result measure_cut(const Terrain *terrain, const LodCut *cut, Jobs *jobs, Measure *out) {
+    return measure_cut_of(terrain_dem(terrain), terrain_grid(terrain), cut, jobs, out);
+}

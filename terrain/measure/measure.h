@@ -1,0 +1,30 @@
+// terrain/measure/measure.h: how far a cut is from the terrain, and whether it is whole. Shares no code with the
+// refinement: it reads triangles and samples only.
+// Pixels at the image centre, ECEF metres.
+// Outputs are values. Any thread.
+#pragma once
+#include "base/base.h"
+#include "terrain/jobs.h"
+#include "terrain/lod/lod.h"
+#include "terrain/terrain.h"
+
+typedef struct Measure {
+    // Per sample: lambda |P - Q| / |P - e| with P the sample's exact ECEF position and Q the point of the drawn
+    // triangle at the same column and row; on an edge the larger of the two triangles'. Infinite where that is not a
+    // number.
+    double max_px, p999_px, p99_px, rms_px; // percentiles by nearest rank
+    double above_tau_share;                 // share of samples above cut->view.tau_px
+    int64_t samples;                        // that a triangle covers
+    int worst_col, worst_row;               // where max_px is; the first in row-major order
+    int64_t t_junctions;                    // vertices inside another triangle's edge
+    // Interior edges with one triangle; vertices drawn at two positions; samples and cells that no triangle covers.
+    int64_t holes;
+    // Edges with more than two triangles, or the same direction twice; cells covered twice; triangles that are
+    // degenerate, clockwise or outside the DEM.
+    int64_t overlaps;
+} Measure;
+
+// The same for any number of workers. Takes 9 bytes a sample while it runs. MEMORY; RANGE: more than 2^30 vertices.
+MUST_USE Result measure_cut(const Terrain *terrain, const LodCut *cut, Jobs *jobs, Measure *out);
+// The same with heights above the ellipsoid in `dem`, without a Terrain.
+MUST_USE Result measure_cut_of(const Dem *dem, const Grid *grid, const LodCut *cut, Jobs *jobs, Measure *out);

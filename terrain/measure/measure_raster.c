@@ -1,0 +1,167 @@
+#include "terrain/measure/measure_internal.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+// One edge function: a * col + b * row + c, >= 0 on the triangle's side, 0 on the edge itself. The three of a triangle
+// add up to its doubled area, and are its barycentric coordinates once divided by it.
+typedef struct EdgeFunction {
+    int64_t a, b, c;
+} EdgeFunction;
+
+typedef struct Raster {
+    EdgeFunction edge[3]; // opposite vertex 0, 1, 2
+    int64_t col_min, col_max, row_min, row_max;
+} Raster;
+
+static EdgeFunction edge_function(const MeasureTriangle *t, int from, int to) {
+    EdgeFunction e = {t->row[to] - t->row[from], t->col[from] - t->col[to], 0};
+    e.c = -(e.a * t->col[from] + e.b * t->row[from]);
+    return e;
+}
+
+static int64_t min3(const int64_t v[3]) {
+    int64_t m = v[0] < v[1] ? v[0] : v[1];
+    return m < v[2] ? m : v[2];
+}
+
+static int64_t max3(const int64_t v[3]) {
+    int64_t m = v[0] > v[1] ? v[0] : v[1];
+    return m > v[2] ? m : v[2];
+}
+
+static Raster raster_of(const MeasureTriangle *t) {
+    return (Raster){.edge = {edge_function(t, 1, 2), edge_function(t, 2, 0), edge_function(t, 0, 1)},
+                    .col_min = min3(t->col),
+                    .col_max = max3(t->col),
+                    .row_min = min3(t->row),
+                    .row_max = max3(t->row)};
+}
+
+// ---- samples ----
+
+// Rounded up, so that an error above a tolerance stays above it. What is not a number is beyond any tolerance.
+static uint32_t error_bits(double px) {
+    float rounded = INFINITY;
+    if (isfinite(px) && px <= FLT_MAX) {
+        rounded = (float)px;
+        if ((double)rounded < px)
+            rounded = nextafterf(rounded, INFINITY);
+    }
+    uint32_t bits;
+    memcpy(&bits, &rounded, sizeof bits);
+    return bits;
+}
+
+// The bits of floats >= 0 are in the order of the floats.
+static void keep_largest(_Atomic uint32_t *place, uint32_t bits) {
+    uint32_t old = atomic_load_explicit(place, memory_order_relaxed);
+    while ((old == MEASURE_NOT_COVERED || old < bits) &&
+           !atomic_compare_exchange_weak_explicit(place, &old, bits, memory_order_relaxed, memory_order_relaxed)) {
+    }
+}
+
+static void keep_worst(MeasureWorker *worker, double px, int64_t sample) {
+    if (isnan(px))
+        px = INFINITY;
+    if (px > worker->max_px || (px == worker->max_px && sample < worker->worst)) {
+        worker->max_px = px;
+        worker->worst = sample;
+    }
+}
+
+// `drawn` and the sample relative to the eye.
+static double error_px(const MeasureRun *run, int64_t col, int64_t row, int64_t sample, Vec3d drawn) {
+    double h_m = (double)run->dem->height_m[sample];
+    if (!isfinite(h_m))
+        return INFINITY;
+    Vec3d exact = vec3d_sub(grid_ecef(run->grid, (int)col, (int)row, h_m), run->cut->view.eye_ecef);
+    double off_m = vec3d_distance(exact, drawn), away_m = vec3d_length(exact);
+    if (away_m > 0.0)
+        return run->cut->view.px_per_rad * (off_m / away_m);
+    return off_m > 0.0 ? INFINITY : 0.0;
+}
+
+static void measure_sample(MeasureRun *run, MeasureWorker *worker, int64_t col, int64_t row, Vec3d drawn) {
+    int64_t sample = row * run->dem->width + col;
+    double px = error_px(run, col, row, sample, drawn);
+    keep_largest(&run->errors[sample], error_bits(px));
+    keep_worst(worker, px, sample);
+}
+
+static void rasterise_samples(MeasureRun *run, MeasureWorker *worker, const Raster *r, const Vec3d corners[3],
+                              double per_area) {
+    for (int64_t row = r->row_min; row <= r->row_max; row++) {
+        int64_t w[3];
+        for (int i = 0; i < 3; i++)
+            w[i] = r->edge[i].a * r->col_min + r->edge[i].b * row + r->edge[i].c;
+        for (int64_t col = r->col_min; col <= r->col_max; col++) {
+            if ((w[0] | w[1] | w[2]) >= 0) { // none is negative
+                Vec3d sum = vec3d_scale(corners[0], (double)w[0] * per_area);
+                sum = vec3d_mad(sum, corners[1], (double)w[1] * per_area);
+                sum = vec3d_mad(sum, corners[2], (double)w[2] * per_area);
+                measure_sample(run, worker, col, row, sum);
+            }
+            for (int i = 0; i < 3; i++)
+                w[i] += r->edge[i].a;
+        }
+    }
+}
+
+// ---- cells ----
+
+// A point on an edge belongs to the triangle on one side only: the one whose edge function grows eastwards, or, along a
+// row, southwards. Of the two triangles at an edge, exactly one is.
+static int64_t tie(const EdgeFunction *e) {
+    return e->a > 0 || (e->a == 0 && e->b > 0) ? 0 : 1;
+}
+
+static void cover(_Atomic uint8_t *cell, uint8_t once, uint8_t twice) {
+    if (atomic_fetch_or_explicit(cell, once, memory_order_relaxed) & once)
+        atomic_fetch_or_explicit(cell, twice, memory_order_relaxed);
+}
+
+// In quarter cells: the points are (4 col + 2, 4 row + 1) and (4 col + 2, 4 row + 3).
+static void rasterise_cells(MeasureRun *run, const Raster *r) {
+    int64_t row_length = run->dem->width - 1;
+    for (int64_t row = r->row_min; row < r->row_max; row++)
+        for (int64_t col = r->col_min; col < r->col_max; col++) {
+            int64_t north = 0, south = 0;
+            for (int i = 0; i < 3; i++) {
+                const EdgeFunction *e = &r->edge[i];
+                int64_t w = e->a * (4 * col + 2) + e->b * (4 * row + 1) + 4 * e->c - tie(e);
+                north |= w;
+                south |= w + 2 * e->b;
+            }
+            if (north >= 0)
+                cover(&run->cells[row * row_length + col], MEASURE_NORTH, MEASURE_NORTH_TWICE);
+            if (south >= 0)
+                cover(&run->cells[row * row_length + col], MEASURE_SOUTH, MEASURE_SOUTH_TWICE);
+        }
+}
+
+// ---- items ----
+
+static void rasterise_triangle(MeasureRun *run, MeasureWorker *worker, const LodPage *page, const MeasureTriangle *t) {
+    Raster raster = raster_of(t);
+    Vec3d corners[3];
+    for (int i = 0; i < 3; i++)
+        corners[i] = vec3d_sub(grid_point_ecef(measure_drawn(page, t->vertex[i])), run->cut->view.eye_ecef);
+    rasterise_samples(run, worker, &raster, corners, 1.0 / (double)t->area2);
+    rasterise_cells(run, &raster);
+    worker->area2 += t->area2;
+}
+
+void measure_rasterise(MeasureRun *run, MeasureWorker *worker, int64_t begin, int64_t end) {
+    MeasureTriangle t;
+    for (int64_t i = begin; i < end; i++) {
+        const LodItem *item = &run->cut->items[i];
+        for (int64_t k = 0; k < item->index_count / 3; k++) {
+            if (measure_triangle(run, item, k, &t))
+                rasterise_triangle(run, worker, item->page, &t);
+            else
+                worker->unsound++;
+        }
+    }
+}
