@@ -13,6 +13,7 @@
 #include <string.h>
 
 #define DEFAULT_SCENE "jacksboro"
+#define BOUND_CORNER 2 // in CHOICES_BOUND
 #define GEOID_FILE "geoid/egm96-15.pgm"
 
 static bool is_scene_file(const char *path) {
@@ -119,6 +120,8 @@ LodOptions scene_lod_options(const Options *options) {
     lod.partitions = (int)options_integer(options, OPTION_PARTITIONS);
     lod.max_triangles = options_integer(options, OPTION_MAX_TRIANGLES);
     lod.reuse = options_flag(options, OPTION_REUSE);
+    lod.bound = options_choice(options, OPTION_BOUND) == 0 ? LOD_BOUND_PUBLISHED : LOD_BOUND_CENTRE;
+    lod.tile_side = (2 << options_choice(options, OPTION_TILE_SIDE)) + 1;
     return lod;
 }
 
@@ -254,7 +257,11 @@ Vec3d world_viewpoint_ecef(const World *world, const Viewpoint *view) {
 
 double scene_px_per_rad(const Options *options) {
     double fov_rad = options_number(options, OPTION_FOV) * GEODESY_RAD_PER_DEG;
-    return options_numbers(options, OPTION_SIZE)[1] / (2.0 * tan(fov_rad / 2.0));
+    const double *size = options_numbers(options, OPTION_SIZE);
+    double centre = size[1] / (2.0 * tan(fov_rad / 2.0));
+    if (options_choice(options, OPTION_BOUND) != BOUND_CORNER)
+        return centre;
+    return centre * (1.0 + (size[0] * size[0] + size[1] * size[1]) / (4.0 * centre * centre)); // 1 / cos^2
 }
 
 LodView world_lod_view(const World *world, const Options *options, const Viewpoint *view) {

@@ -49,7 +49,7 @@ Vec3d world_viewpoint_ecef(const World *world, const Viewpoint *viewpoint);
 // Metres above the ellipsoid of an altitude above the geoid.
 double world_ellipsoid_m(const World *world, double lat_deg, double lon_deg, double alt_m);
 
-// Pixels a radian at the image centre for --size and --fov.
+// Pixels a radian for --size and --fov at the image's centre, or, with --bound corner, at its corners.
 double scene_px_per_rad(const Options *options);
 // What to refine for: the eye, --tau, --size, --fov.
 LodView world_lod_view(const World *world, const Options *options, const Viewpoint *viewpoint);

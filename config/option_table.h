@@ -11,7 +11,10 @@
 #define CHOICES_VOIDS "fill|hole|error"
 #define CHOICES_ERROR "midpoint|total"
 #define CHOICES_PATCH_SIDE "3|5|9|17|33|65|129"
-#define CHOICES_METHOD "hybrid|brute"
+#define CHOICES_METHOD "hybrid|patch|roam|roam-parallel|geomipmap|geomipmap-ye|diamond|brute"
+#define CHOICES_BOUND "published|centre|corner"
+#define CHOICES_TILE_SIDE "3|5|9|17|33|65|129"
+#define CHOICES_COMPUTE "auto|gpu|cpu"
 #define CHOICES_TIME_RATE "1/4|1/2|1|2|4|8|16"
 #define CHOICES_COLOUR "land|level|cache|partition"
 
@@ -41,6 +44,16 @@
     X(TAU, "tau", 't', NUMBER, "PX", "1", 0.01, 1000, NULL, COMMANDS_SCENE, "tolerated error at the image centre")     \
     X(PARTITIONS, "partitions", 0, INTEGER, "N", "0", 0, 64, NULL, COMMANDS_SCENE,                                     \
       "sectors along the observer line; 0: 1 for one worker, else 2 a worker")                                         \
+    X(BOUND, "bound", 0, CHOICE, NULL, "published", 0, 0, CHOICES_BOUND, COMMANDS_SCENE,                               \
+      "which error is kept: the method's own, or tau at every sample at the image's centre, or its corners")           \
+    X(TILE_SIDE, "tile-side", 0, CHOICE, NULL, "33", 0, 0, CHOICES_TILE_SIDE, COMMANDS_SCENE,                          \
+      "samples a tile side of geomipmap and geomipmap-ye")                                                             \
+    X(COMPUTE, "compute", 0, CHOICE, NULL, "auto", 0, 0, CHOICES_COMPUTE, COMMANDS_PICTURE,                            \
+      "where diamond works; auto: on the GPU, but not with a software renderer")                                       \
+    X(COMPARE, "compare", 0, CHOICE, NULL, NULL, 0, 0, CHOICES_METHOD, COMMANDS_PICTURE,                               \
+      "a second method, on the right half of the picture")                                                             \
+    X(SELECT, "select", 0, TEXT, "EXPRESSION", NULL, 0, 0, NULL, COMMAND_MESH,                                         \
+      "diamond: what to refine, as 'error > 5 || within(36.6, -84.2, 2000)'")                                          \
     X(MAX_TRIANGLES, "max-triangles", 0, INTEGER, "N", "16000000", 1000, 2000000000, NULL, COMMANDS_SCENE,             \
       "above it the tolerance is raised")                                                                              \
     X(REUSE, "reuse", 0, FLAG, NULL, "true", 0, 0, NULL, COMMANDS_SCENE, "keep triangulations from frame to frame")    \

@@ -18,12 +18,30 @@ struct Lod {
 };
 
 const char *lod_method_name(LodMethod method) {
-    return METHODS[method]->name;
+    static const char *const names[LOD_METHOD_COUNT] = {
+#define LOD_METHOD_NAME(id, name, source) name,
+        LOD_METHOD_TABLE(LOD_METHOD_NAME)
+#undef LOD_METHOD_NAME
+    };
+    return names[method];
+}
+
+const char *lod_method_source(LodMethod method) {
+    static const char *const sources[LOD_METHOD_COUNT] = {
+#define LOD_METHOD_SOURCE(id, name, source) source,
+        LOD_METHOD_TABLE(LOD_METHOD_SOURCE)
+#undef LOD_METHOD_SOURCE
+    };
+    return sources[method];
 }
 
 LodOptions lod_default_options(void) {
-    return (LodOptions){
-        .method = LOD_HYBRID, .max_triangles = 4000000, .page_bytes_max = (size_t)256 << 20, .reuse = true};
+    return (LodOptions){.method = LOD_HYBRID,
+                        .max_triangles = 4000000,
+                        .page_bytes_max = (size_t)256 << 20,
+                        .reuse = true,
+                        .bound = LOD_BOUND_PUBLISHED,
+                        .tile_side = 33};
 }
 
 Result lod_create(const LodOptions *options, const Terrain *terrain, Lod **out) {
@@ -33,13 +51,17 @@ Result lod_create(const LodOptions *options, const Terrain *terrain, Lod **out) 
             options->partitions, (long long)options->max_triangles, LOD_PARTITIONS_MAX);
         return RESULT_RANGE;
     }
+    if (!METHODS[options->method]) {
+        log_error("level of detail: %s is not part of this program", lod_method_name(options->method));
+        return RESULT_NOT_FOUND;
+    }
     Lod *lod = calloc(1, sizeof *lod);
     if (!lod)
         return RESULT_MEMORY;
     lod->ops = METHODS[options->method];
     Result result = lod->ops->create(options, terrain, &lod->state);
     if (result != RESULT_OK) {
-        log_error("level of detail: %s: not enough memory", lod->ops->name);
+        log_error("level of detail: %s: not enough memory", lod_method_name(options->method));
         free(lod);
         return result;
     }

@@ -10,16 +10,45 @@
 
 #define LOD_PARTITIONS_MAX 64
 
-typedef enum LodMethod { LOD_HYBRID, LOD_BRUTE, LOD_METHOD_COUNT } LodMethod;
-const char *lod_method_name(LodMethod method); // "hybrid"
+// X(identifier, name, source), in the order in which keys and reports go through them.
+#define LOD_METHOD_TABLE(X)                                                                                            \
+    X(HYBRID, "hybrid", "Loeffler et al. 2010")                                                                        \
+    X(PATCH, "patch", "Boesch et al. 2009")                                                                            \
+    X(ROAM, "roam", "Duchaineau et al. 1997")                                                                          \
+    X(ROAM_PARALLEL, "roam-parallel", "Biedermann, Rivara")                                                            \
+    X(GEOMIPMAP, "geomipmap", "de Boer 2000")                                                                          \
+    X(GEOMIPMAP_YE, "geomipmap-ye", "Ye, Wang")                                                                        \
+    X(DIAMOND, "diamond", "Yalcin et al. 2011")                                                                        \
+    X(BRUTE, "brute", "every sample")
+
+typedef enum LodMethod {
+#define LOD_METHOD_ENUM(id, name, source) LOD_##id,
+    LOD_METHOD_TABLE(LOD_METHOD_ENUM) LOD_METHOD_COUNT
+#undef LOD_METHOD_ENUM
+} LodMethod;
+const char *lod_method_name(LodMethod method);   // "hybrid"
+const char *lod_method_source(LodMethod method); // "Loeffler et al. 2010"
+
+// Which error a method keeps.
+typedef enum LodBound {
+    LOD_BOUND_PUBLISHED, // what its paper keeps: for the geomipmap methods no bound at every sample
+    LOD_BOUND_CENTRE,    // tau at every sample, seen at the image's centre
+} LodBound;
+
+typedef struct DiamondSelect DiamondSelect; // terrain/diamond/diamond_select.h
+typedef struct DiamondOrder DiamondOrder;   // terrain/diamond/diamond.h
 
 typedef struct LodOptions {
     LodMethod method;
     int partitions;        // along the observer line; 0: one per worker
     int64_t max_triangles; // > 0; above it the tolerance is raised
     size_t page_bytes_max; // CPU memory for vertex pages no longer drawn
-    bool reuse;            // false: every patch is triangulated anew each frame
+    bool reuse;            // false: every patch is triangulated anew each frame; roam: the mesh is built anew
     uint32_t serial;       // 0 .. 2^24 - 1; Lods drawn by one renderer have different ones, and so have their pages
+    LodBound bound;
+    int tile_side;               // of the geomipmap methods, samples: 2^n + 1, 3 .. 129
+    bool resident;               // diamond: leave the triangles to the renderer's compute shaders
+    const DiamondSelect *select; // diamond: what splits besides the view's tolerance; NULL: the tolerance. Borrowed
 } LodOptions;
 LodOptions lod_default_options(void);
 
@@ -66,6 +95,10 @@ typedef struct LodStats {
     int64_t vertices_evaluated; // activity decisions this frame
     int64_t index_bytes;        // that changed
     int64_t select_ns, refine_ns;
+    int partitions;                        // that were refined side by side
+    double balance;                        // the longest partition's time over their mean, 1 at best; 0: not measured
+    int64_t cut_vertices;                  // drawn once more because two partitions share them
+    int64_t splits, forced_splits, merges; // roam: of triangle pairs, in this frame
 } LodStats;
 
 typedef struct LodCut {
@@ -74,7 +107,8 @@ typedef struct LodCut {
     double reached_px; // the error that holds: tau_px, or more when the budget was reached
     bool promises;     // whether the method bounds the error at every sample
     int32_t item_count;
-    const LodItem *items; // in the order of the patch hierarchy; in `frame`'s memory
+    const LodItem *items;         // in the order of the patch hierarchy; in `frame`'s memory
+    const DiamondOrder *resident; // no items: the renderer makes and draws the triangles (terrain/diamond); else NULL
     LodStats stats;
 } LodCut;
 
@@ -82,10 +116,10 @@ typedef struct Lod Lod;
 MUST_USE Result lod_create(const LodOptions *options, const Terrain *terrain, Lod **out);
 void lod_destroy(Lod **lod);
 
-// The cut for this view, in `frame` until arena_reset; pages and index lists until lod_release. The same
-// sequence of views gives the same bytes for any number of workers and partitions. RANGE: a view that is not
-// finite or not positive. BUDGET: the triangle budget was reached, the cut is valid and cut->reached_px says which
-// error holds instead.
+// The cut for this view, in `frame` until arena_reset; pages and index lists until lod_release or arena_reset,
+// whichever comes first. The same sequence of views gives the same bytes for any number of workers and partitions.
+// RANGE: a view that is not finite or not positive. BUDGET: the triangle budget was reached, the cut is valid and
+// cut->reached_px says which error holds instead.
 MUST_USE Result lod_update(Lod *lod, const LodView *view, Jobs *jobs, Arena *frame, LodCut *cut);
 
 // Cuts up to and including `frame` are no longer read by anyone.

@@ -124,7 +124,6 @@ static void brute_release(void *state, uint64_t frame) {
 }
 
 const LodOps LOD_BRUTE_OPS = {
-    .name = "brute",
     .create = brute_create,
     .destroy = brute_destroy,
     .update = brute_update,

@@ -459,7 +459,6 @@ static Result hybrid_create(const LodOptions *options, const Terrain *terrain, v
 }
 
 const LodOps LOD_HYBRID_OPS = {
-    .name = "hybrid",
     .create = hybrid_create,
     .destroy = hybrid_destroy,
     .update = hybrid_update,

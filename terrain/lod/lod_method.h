@@ -18,7 +18,6 @@ static inline uint64_t lod_first_id(const LodOptions *options) {
 }
 
 typedef struct LodOps {
-    const char *name;
     Result (*create)(const LodOptions *options, const Terrain *terrain, void **state);
     void (*destroy)(void *state);
     // Fills items, stats, reached_px and promises of `cut`.
