@@ -8,7 +8,7 @@
 // an index list, no strip.
 #include "terrain/lod/lod_method.h"
 #include "terrain/lod/partition.h"
-#include "terrain/patches/index_pool.h"
+#include "terrain/patches/index_list.h"
 #include "terrain/patches/page.h"
 #include "terrain/patches/patch_select.h"
 #include "terrain/patches/refine.h"
@@ -36,12 +36,6 @@
 #define WORK_DECIDE_VERTEX 1.5
 #define WORK_TRIANGLE 5.0
 
-typedef struct IndexList {
-    uint16_t *indices; // NULL: none
-    int32_t index_count;
-    int16_t pool, size_class;
-} IndexList;
-
 typedef struct Node { // of the patch forest: what is kept of a patch between frames
     Page *page;
     IndexList list;
@@ -57,11 +51,6 @@ typedef struct Selected { // what this frame finds out about a chosen patch
     bool stale;
 } Selected;
 
-typedef struct Retired {
-    uint64_t last_frame; // that may read the list
-    IndexList list;
-} Retired;
-
 typedef struct Stale { // a patch to be triangulated in this frame
     int32_t choice;    // index in the selection
     uint16_t partition;
@@ -70,7 +59,6 @@ typedef struct Stale { // a patch to be triangulated in this frame
 } Stale;
 
 typedef struct Scratch { // of a partition
-    IndexPool pool;
     uint8_t *active;
     uint16_t *indices;
 } Scratch;
@@ -84,50 +72,15 @@ typedef struct Hybrid {
     double raised_px; // the tolerance that the budget forced in the last frame; 0: none
     PatchSelection selection;
     Selected *selected; // [selection.count], in the frame's memory
-    Retired *retired;   // a queue: [retired_begin, retired_count)
-    int32_t retired_begin, retired_count, retired_capacity;
+    IndexStore lists;   // a pool a partition
     Scratch scratch[LOD_PARTITIONS_MAX];
 } Hybrid;
 
-static bool reserve(void **memory, int32_t *capacity, int32_t count, size_t item_bytes) {
-    if (count <= *capacity)
-        return true;
-    int32_t larger = *capacity * 2 > count ? *capacity * 2 : count + 256;
-    void *grown = realloc(*memory, (size_t)larger * item_bytes);
-    if (!grown)
-        return false;
-    *memory = grown;
-    *capacity = larger;
-    return true;
-}
-
 // Index lists and pages of earlier frames ----------------------------------------------------------------------
-
-static Result retire_list(Hybrid *h, IndexList *list, uint64_t last_frame) {
-    if (!list->indices)
-        return RESULT_OK;
-    if (h->retired_begin > 0 && h->retired_count == h->retired_capacity) {
-        h->retired_count -= h->retired_begin;
-        memmove(h->retired, h->retired + h->retired_begin, sizeof *h->retired * (size_t)h->retired_count);
-        h->retired_begin = 0;
-    }
-    if (!reserve((void **)&h->retired, &h->retired_capacity, h->retired_count + 1, sizeof *h->retired))
-        return RESULT_MEMORY;
-    h->retired[h->retired_count++] = (Retired){last_frame, *list};
-    *list = (IndexList){0};
-    return RESULT_OK;
-}
-
-static void give_back_list(Hybrid *h, const IndexList *list) {
-    index_pool_give_back(&h->scratch[list->pool].pool, list->indices, list->size_class);
-}
 
 static void hybrid_release(void *state, uint64_t frame) {
     Hybrid *h = state;
-    for (; h->retired_begin < h->retired_count && h->retired[h->retired_begin].last_frame <= frame; h->retired_begin++)
-        give_back_list(h, &h->retired[h->retired_begin].list);
-    if (h->retired_begin == h->retired_count)
-        h->retired_begin = h->retired_count = 0;
+    index_store_release(&h->lists, frame);
 }
 
 // A page goes with its node's triangulation. Both were drawn last in a released frame, so nobody reads them.
@@ -135,8 +88,7 @@ static void evict_pages(Hybrid *h, uint64_t released) {
     Page *page;
     while (h->pages.bytes > h->options.page_bytes_max && (page = page_store_oldest(&h->pages, released))) {
         Node *node = &h->nodes[page->node];
-        if (node->list.indices)
-            give_back_list(h, &node->list);
+        index_list_give_back(&h->lists, &node->list);
         *node = (Node){0};
         page_store_give_back(&h->pages, page);
     }
@@ -249,14 +201,9 @@ static bool triangulate(const Update *u, Stale *stale, int partition) {
     if (!page->filled)
         page_fill(page, h->terrain, &choice->triangle);
     stale->result = refine_page(page, &u->view, scratch->active, scratch->indices);
-    IndexList *list = &stale->list;
-    list->index_count = stale->result.index_count;
-    list->pool = (int16_t)partition;
-    list->size_class = (int16_t)index_pool_class(list->index_count);
-    list->indices = index_pool_take(&scratch->pool, list->size_class);
-    if (!list->indices)
+    if (!index_list_take(&h->lists, partition, stale->result.index_count, &stale->list))
         return false;
-    memcpy(list->indices, scratch->indices, sizeof(uint16_t) * (size_t)list->index_count);
+    memcpy(stale->list.indices, scratch->indices, sizeof(uint16_t) * (size_t)stale->list.index_count);
     return true;
 }
 
@@ -297,7 +244,7 @@ static Result adopt(Update *u, LodStats *stats) {
         Stale *stale = &u->stale[i];
         Node *node = &h->nodes[h->selection.choices[stale->choice].node];
         if (result == RESULT_OK)
-            result = retire_list(h, &node->list, u->call->number - 1);
+            result = index_list_retire(&h->lists, &node->list, u->call->number - 1);
         if (result != RESULT_OK || !stale->list.indices)
             continue;
         node->list = stale->list;
@@ -432,13 +379,12 @@ static void hybrid_destroy(void *state) {
     Hybrid *h = state;
     page_store_destroy(&h->pages);
     for (int p = 0; p < LOD_PARTITIONS_MAX; p++) {
-        index_pool_destroy(&h->scratch[p].pool);
         free(h->scratch[p].active);
         free(h->scratch[p].indices);
     }
     free(h->nodes);
     patch_selection_destroy(&h->selection);
-    free(h->retired);
+    index_store_destroy(&h->lists);
     free(h);
 }
 
