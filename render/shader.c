@@ -22,6 +22,7 @@ typedef struct Text {
 
 typedef struct Expansion {
     const char *defines;
+    const ShaderInsert *insert; // or NULL
     Text text, files;
     char seen[FILES_MAX][LINE_MAX_BYTES];
     int seen_count;
@@ -110,6 +111,17 @@ static Result open_shader(const char *file, FILE **out) {
     return *out ? RESULT_OK : RESULT_IO;
 }
 
+static bool is_insert(const Expansion *expansion, const char *file) {
+    return expansion->insert && strcmp(expansion->insert->name, file) == 0;
+}
+
+static Result expand_insert(Expansion *expansion, int index) {
+    const char *text = expansion->insert->text;
+    text_print(&expansion->text, "#line 1 %d\n", index);
+    text_append(&expansion->text, text, strlen(text));
+    return RESULT_OK;
+}
+
 static Result expand_file(Expansion *expansion, const char *file) {
     if (was_seen(expansion, file))
         return RESULT_OK;
@@ -120,6 +132,8 @@ static Result expand_file(Expansion *expansion, const char *file) {
     int index = expansion->seen_count++;
     snprintf(expansion->seen[index], sizeof expansion->seen[index], "%s", file);
     text_print(&expansion->files, "%s\n", file);
+    if (is_insert(expansion, file))
+        return expand_insert(expansion, index);
     FILE *stream = NULL;
     Result result = open_shader(file, &stream);
     if (result != RESULT_OK)
@@ -131,12 +145,13 @@ static Result expand_file(Expansion *expansion, const char *file) {
     return result;
 }
 
-Result shader_expand(const char *file, const char *defines, char **text, char **files) {
+static Result expand(const char *file, const char *defines, const ShaderInsert *insert, char **text, char **files) {
     Result result = RESULT_MEMORY;
     Expansion *expansion = calloc(1, sizeof *expansion);
     if (!expansion)
         goto fail;
     expansion->defines = defines;
+    expansion->insert = insert;
     if ((result = expand_file(expansion, file)) != RESULT_OK)
         goto fail;
     if (expansion->text.failed || expansion->files.failed || !expansion->text.bytes) {
@@ -160,6 +175,10 @@ fail:
     return result;
 }
 
+Result shader_expand(const char *file, const char *defines, char **text, char **files) {
+    return expand(file, defines, NULL, text, files);
+}
+
 static GLenum stage_of(const char *file) {
     const char *suffix = strrchr(file, '.');
     if (suffix && strcmp(suffix, ".vert") == 0)
@@ -178,9 +197,9 @@ static void log_compile_error(GLuint shader, const char *file, const char *defin
               defines ? defines : "no defines", complaint, files);
 }
 
-static Result compile_stage(const char *file, const char *defines, GLuint *out) {
+static Result compile_stage(const char *file, const ShaderSpec *spec, GLuint *out) {
     char *text = NULL, *files = NULL;
-    Result result = shader_expand(file, defines, &text, &files);
+    Result result = expand(file, spec->defines, spec->insert, &text, &files);
     if (result != RESULT_OK)
         return result;
     GLuint shader = glCreateShader(stage_of(file));
@@ -190,7 +209,7 @@ static Result compile_stage(const char *file, const char *defines, GLuint *out) 
     glCompileShader(shader);
     glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
     if (!compiled) {
-        log_compile_error(shader, file, defines, files);
+        log_compile_error(shader, file, spec->defines, files);
         glDeleteShader(shader);
         result = RESULT_DEVICE;
     }
@@ -219,7 +238,7 @@ Result shader_create_program(const ShaderSpec *spec, unsigned *out) {
     GLuint program = glCreateProgram();
     for (int i = 0; i < SHADER_STAGES_MAX && spec->stages[i]; i++) {
         GLuint shader = 0;
-        if ((result = compile_stage(spec->stages[i], spec->defines, &shader)) != RESULT_OK)
+        if ((result = compile_stage(spec->stages[i], spec, &shader)) != RESULT_OK)
             goto fail;
         glAttachShader(program, shader);
         glDeleteShader(shader); // lives on until the program goes

@@ -6,12 +6,18 @@
 
 #define SHADER_STAGES_MAX 3
 
+// Text made by the program, for the place where a file says #include "name".
+typedef struct ShaderInsert {
+    const char *name, *text; // `text` ends with a newline
+} ShaderInsert;
+
 // One program: files of the shaders folder (base/paths.h), ending in .vert, .geom, .frag or .comp.
 typedef struct ShaderSpec {
     const char *stages[SHADER_STAGES_MAX];
     const char *defines;         // "HOLES SAMPLES=4", or NULL
     const char *const *feedback; // varyings to capture, or NULL
     int feedback_count;
+    const ShaderInsert *insert; // or NULL
 } ShaderSpec;
 
 // The text a stage is compiled from: `#include "file"` (relative to the folder of shaders, once per stage) is
