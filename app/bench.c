@@ -1,9 +1,11 @@
 #define _POSIX_C_SOURCE 200809L
 #include "app/bench.h"
 
+#include "base/log.h"
 #include "base/statistics.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -28,18 +30,42 @@ static void read_processor(char *out, size_t size) {
         fclose(file);
 }
 
-void bench_add_machine(Json *parent) {
-    char processor[128];
-    read_processor(processor, sizeof processor);
-    Json *machine = json_add_object(parent, "machine");
-    json_add_text(machine, "processor", processor);
-    json_add_integer(machine, "processors", sysconf(_SC_NPROCESSORS_ONLN));
-    json_add_text(machine, "compiler", __VERSION__);
+BenchMachine bench_machine(void) {
+    BenchMachine machine = {.processors = (int)sysconf(_SC_NPROCESSORS_ONLN), .compiler = __VERSION__};
+    read_processor(machine.processor, sizeof machine.processor);
 #ifdef __OPTIMIZE__
-    json_add_bool(machine, "optimized", true);
-#else
-    json_add_bool(machine, "optimized", false);
+    machine.optimized = true;
 #endif
+    return machine;
+}
+
+void bench_add_machine(Json *parent) {
+    BenchMachine machine = bench_machine();
+    Json *object = json_add_object(parent, "machine");
+    json_add_text(object, "processor", machine.processor);
+    json_add_integer(object, "processors", machine.processors);
+    json_add_text(object, "compiler", machine.compiler);
+    json_add_bool(object, "optimized", machine.optimized);
+}
+
+static bool is_side(long side) {
+    return side >= 3 && side <= 16385 && ((side - 1) & (side - 2)) == 0;
+}
+
+Result bench_read_sides(const char *text, int max, int *sides, int *count) {
+    *count = 0;
+    for (const char *next = text; *next;) {
+        char *end;
+        long side = strtol(next, &end, 10);
+        if (end == next || !is_side(side) || (*end && *end != ',') || *count == max) {
+            log_error("--sides: found '%s'; expected up to %d of 3, 5, 9 ... 16385 (2^n + 1), separated by commas",
+                      text, max);
+            return RESULT_USAGE;
+        }
+        sides[(*count)++] = (int)side;
+        next = *end ? end + 1 : end;
+    }
+    return RESULT_OK;
 }
 
 int64_t bench_resident_bytes(void) {

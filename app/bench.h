@@ -10,6 +10,18 @@
 MUST_USE Result bench_preprocess(const Options *options);
 MUST_USE Result bench_refine(const Options *options);
 
+// The machine this runs on.
+typedef struct BenchMachine {
+    char processor[128]; // "unknown" where the system does not tell
+    int processors;
+    const char *compiler; // static
+    bool optimized;
+} BenchMachine;
+BenchMachine bench_machine(void);
+
+// Up to `max` sides of 3, 5, 9 ... 16385 samples (2^n + 1), separated by commas. USAGE; logged.
+MUST_USE Result bench_read_sides(const char *text, int max, int *sides, int *count);
+
 // "machine": processor, processors, compiler, build.
 void bench_add_machine(Json *parent);
 

@@ -38,25 +38,6 @@ static const char *scheme_name(ErrorScheme scheme) {
     return scheme == ERROR_SCHEME_RECURSIVE ? "recursive" : "parallel";
 }
 
-static bool is_side(long side) {
-    return side >= 3 && side <= 16385 && ((side - 1) & (side - 2)) == 0;
-}
-
-static Result read_sides(const char *text, Bench *bench) {
-    for (const char *next = text; *next;) {
-        char *end;
-        long side = strtol(next, &end, 10);
-        if (end == next || !is_side(side) || (*end && *end != ',') || bench->side_count == SIDES_MAX) {
-            log_error("--sides: found '%s'; expected up to %d of 3, 5, 9 ... 16385 (2^n + 1), separated by commas",
-                      text, SIDES_MAX);
-            return RESULT_USAGE;
-        }
-        bench->sides[bench->side_count++] = (int)side;
-        next = *end ? end + 1 : end;
-    }
-    return RESULT_OK;
-}
-
 static Result add_run(Bench *bench, TerrainErrorKind kind, ErrorScheme scheme, int side, int threads) {
     Run *run = &bench->runs[bench->run_count];
     *run = (Run){.kind = kind, .scheme = scheme, .side = side, .threads = threads, .equal = true};
@@ -185,7 +166,7 @@ Result bench_preprocess(const Options *options) {
         return result;
     bench.threads = jobs_worker_count(jobs);
     jobs_destroy(&jobs);
-    result = read_sides(options_text(options, OPTION_SIDES), &bench);
+    result = bench_read_sides(options_text(options, OPTION_SIDES), SIDES_MAX, bench.sides, &bench.side_count);
     if (result == RESULT_OK)
         result = plan(&bench);
     for (int i = 0; i < bench.side_count && result == RESULT_OK; i++)

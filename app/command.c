@@ -10,6 +10,8 @@ const Command command_table[] = {
      cmd_mesh},
     {COMMAND_BENCH, "bench", "preprocess|refine [SCENE|DEM]...", -1, "measure what error fields and refinement cost",
      cmd_bench},
+    {COMMAND_REPRODUCE, "reproduce", "loeffler|biedermann|yalcin|ye [SCENE|DEM]...", -1,
+     "run a paper's experiment, and show its figures beside ours", cmd_reproduce},
     {COMMAND_INFO, "info", "DEM...", -1, "what is in elevation files: size, spacing, datum, bounds, range, voids",
      cmd_info},
     {COMMAND_CONFIG, "config", "[SUBCOMMAND]", 1, "show the effective options and where each came from", cmd_config},

@@ -25,5 +25,6 @@ CommandRun cmd_fly;
 CommandRun cmd_snapshot;
 CommandRun cmd_mesh;
 CommandRun cmd_bench;
+CommandRun cmd_reproduce;
 CommandRun cmd_info;
 CommandRun cmd_config;

@@ -82,16 +82,20 @@ void json_append_text(Json *array, const char *value) {
     append(array, cJSON_CreateString(value));
 }
 
-Result json_print(const Json *json) {
+Result json_write(const Json *json, FILE *to) {
     char *text = json ? cJSON_Print((const cJSON *)json) : NULL;
     if (!text) {
         log_error("no memory for the JSON document");
         return RESULT_MEMORY;
     }
-    bool written = puts(text) >= 0 && fflush(stdout) == 0;
+    bool written = fputs(text, to) >= 0 && fputc('\n', to) >= 0 && fflush(to) == 0;
     cJSON_free(text);
     if (written)
         return RESULT_OK;
-    log_error("stdout: writing the JSON document failed");
+    log_error("%s: writing the JSON document failed", to == stdout ? "stdout" : "file");
     return RESULT_IO;
+}
+
+Result json_print(const Json *json) {
+    return json_write(json, stdout);
 }

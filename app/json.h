@@ -4,6 +4,8 @@
 #pragma once
 #include "base/base.h"
 
+#include <stdio.h>
+
 typedef struct Json Json;
 
 Json *json_create(void); // an object
@@ -25,3 +27,5 @@ void json_append_text(Json *array, const char *value);
 
 // Prints the document and a newline on stdout. MEMORY, IO.
 MUST_USE Result json_print(const Json *json);
+// The same on `to`, which stays open.
+MUST_USE Result json_write(const Json *json, FILE *to);

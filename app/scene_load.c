@@ -45,7 +45,8 @@ static Result read_named(const char *const *paths, int count, Scene *out) {
 }
 
 static Result read_scene(const Options *options, Scene *out) {
-    int first = options_command(options) == COMMAND_BENCH; // whose first word is what to measure
+    // The first word of these is what to measure.
+    int first = (options_command(options) & (COMMAND_BENCH | COMMAND_REPRODUCE)) != 0;
     int count = options_positional_count(options) - first;
     if (count > 0)
         return read_named(options_positionals(options) + first, count, out);
@@ -145,6 +146,16 @@ static Result load_dem(const Options *options, const Scene *scene, Dem **out) {
     signals_hold_all(&before);
     Result result = dem_load(&dem, (const char *const *)scene->dem, scene->dem_count, out);
     signals_restore(&before);
+    return result;
+}
+
+Result scene_load_dem(const Options *options, Dem **out) {
+    Scene scene = {.datum = -1, .voids = -1};
+    Result result = read_scene(options, &scene);
+    if (result != RESULT_OK)
+        return result;
+    result = load_dem(options, &scene, out);
+    scene_clear(&scene);
     return result;
 }
 

@@ -24,6 +24,8 @@ typedef struct World {
 DemOptions scene_dem_options(const Options *options, const Scene *scene);
 // --method, --partitions, --max-triangles, --reuse.
 LodOptions scene_lod_options(const Options *options);
+// Loads what the positional arguments name, as world_load does, but the elevation model only.
+MUST_USE Result scene_load_dem(const Options *options, Dem **out);
 // The EGM96 grid: --geoid, else the program's own. NOT_FOUND, FORMAT.
 MUST_USE Result scene_open_geoid(const Options *options, Geoid **out);
 

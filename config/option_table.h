@@ -4,7 +4,8 @@
 #pragma once
 
 #define COMMANDS_SCENE (COMMAND_FLY | COMMAND_SNAPSHOT | COMMAND_MESH | COMMAND_BENCH)
-#define COMMANDS_DEM (COMMANDS_SCENE | COMMAND_INFO)
+#define COMMANDS_WORK (COMMANDS_SCENE | COMMAND_REPRODUCE)
+#define COMMANDS_DEM (COMMANDS_WORK | COMMAND_INFO)
 #define COMMANDS_PICTURE (COMMAND_FLY | COMMAND_SNAPSHOT)
 
 #define CHOICES_DATUM "file|egm96|ellipsoid"
@@ -27,7 +28,7 @@
     X(QUIET, "quiet", 'q', FLAG, NULL, "false", 0, 0, NULL, COMMANDS_ALL, "errors only")                               \
     X(VERBOSE, "verbose", 'v', FLAG, NULL, "false", 0, 0, NULL, COMMANDS_ALL, "messages for developers too")           \
     X(JSON, "json", 0, FLAG, NULL, "false", 0, 0, NULL, COMMANDS_ALL, "one JSON document on stdout")                   \
-    X(THREADS, "threads", 'j', INTEGER, "N", "0", 0, 64, NULL, COMMANDS_SCENE, "worker threads; 0: one per processor") \
+    X(THREADS, "threads", 'j', INTEGER, "N", "0", 0, 64, NULL, COMMANDS_WORK, "worker threads; 0: one per processor")  \
                                                                                                                        \
     X(DATUM, "datum", 0, CHOICE, NULL, "file", 0, 0, CHOICES_DATUM, COMMANDS_DEM, "what heights are measured from")    \
     X(VOIDS, "voids", 0, CHOICE, NULL, "fill", 0, 0, CHOICES_VOIDS, COMMANDS_DEM, "what samples without data become")  \
@@ -35,7 +36,7 @@
       "between samples, for images without georeference")                                                              \
     X(BOUNDS, "bounds", 0, BOUNDS, "W,S,E,N", NULL, 0, 0, NULL, COMMANDS_DEM,                                          \
       "degrees, for images without georeference")                                                                      \
-    X(GEOID, "geoid", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMANDS_SCENE, "EGM96 grid (.pgm) instead of the own one")   \
+    X(GEOID, "geoid", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMANDS_WORK, "EGM96 grid (.pgm) instead of the own one")    \
     X(ERROR, "error", 0, CHOICE, NULL, "total", 0, 0, CHOICES_ERROR, COMMANDS_SCENE,                                   \
       "how vertex errors are defined; only total bounds the error at every sample")                                    \
     X(PATCH_SIDE, "patch-side", 0, CHOICE, NULL, "65", 0, 0, CHOICES_PATCH_SIDE, COMMANDS_SCENE, "samples a page side")\
@@ -98,6 +99,15 @@
     X(PICTURES, "pictures", 0, PATH, "DIR", NULL, 0, 0, NULL, COMMAND_FLY, "write pictures of the flight as PNG")      \
     X(PICTURE_COUNT, "picture-count", 0, INTEGER, "N", "6", 1, 100000, NULL, COMMAND_FLY,                              \
       "how many, spread over the flight")                                                                              \
+                                                                                                                       \
+    X(QUICK, "quick", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_REPRODUCE,                                           \
+      "a minute at most: fewer sizes, frames and rounds, nothing drawn")                                               \
+    X(OUTPUT_FOLDER, "output", 'o', PATH, "DIR", NULL, 0, 0, NULL, COMMAND_REPRODUCE,                                  \
+      "a folder for the tables as Markdown, JSON and CSV, instead of stdout")                                          \
+    X(REPRODUCE_SIDES, "sides", 0, TEXT, "LIST", NULL, 0, 0, NULL, COMMAND_REPRODUCE,                                  \
+      "samples a side (2^n + 1, separated by commas) instead of the paper's")                                          \
+    X(SECONDS, "seconds", 0, NUMBER, "S", NULL, 0.1, 3600, NULL, COMMAND_REPRODUCE,                                    \
+      "length of the flights instead of the experiment's own")                                                         \
                                                                                                                        \
     X(CULL, "cull", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_MESH, "only what the view frustum holds")
 // clang-format on

@@ -12,7 +12,8 @@ typedef enum CommandId {
     COMMAND_BENCH = 1 << 3,
     COMMAND_INFO = 1 << 4,
     COMMAND_CONFIG = 1 << 5,
-    COMMANDS_ALL = (1 << 6) - 1,
+    COMMAND_REPRODUCE = 1 << 6,
+    COMMANDS_ALL = (1 << 7) - 1,
 } CommandId;
 
 #include "config/option_table.h"

@@ -68,7 +68,7 @@ static const struct {
     CommandId command;
 } sections[] = {
     {"", COMMANDS_ALL},       {"fly", COMMAND_FLY},   {"snapshot", COMMAND_SNAPSHOT}, {"mesh", COMMAND_MESH},
-    {"bench", COMMAND_BENCH}, {"info", COMMAND_INFO}, {"config", COMMAND_CONFIG},
+    {"bench", COMMAND_BENCH}, {"info", COMMAND_INFO}, {"config", COMMAND_CONFIG},     {"reproduce", COMMAND_REPRODUCE},
 };
 
 static bool find_section(const IniEntry *entry, CommandId *out) {
