@@ -117,6 +117,41 @@ static void test_every_sample_is_within_tau_where_the_bound_is_asked_for(void **
     check_sizes(method_of(state), LOD_BOUND_CENTRE);
 }
 
+static void check_real(LodMethod method, const char *name) {
+    Flight f = {0};
+    Geoid *geoid = NULL;
+    LodOptions options = options_of(method);
+    options.bound = LOD_BOUND_CENTRE;
+    assert_int_equal(jobs_create(2, &f.jobs), RESULT_OK);
+    f.terrain = support_shared_terrain(name, &geoid, f.jobs);
+    if (!f.terrain) {
+        jobs_destroy(&f.jobs);
+        skip();
+    }
+    assert_int_equal(lod_create(&options, f.terrain, &f.lod), RESULT_OK);
+    assert_int_equal(arena_create(1 << 20, &f.frame), RESULT_OK);
+    const Dem *dem = terrain_dem(f.terrain);
+    for (int k = 0; k < 3; k++) {
+        Vec3d eye =
+            support_eye(f.terrain, (0.3 + 0.2 * k) * dem->width, (0.6 - 0.1 * k) * dem->height, 40.0 * pow(10.0, k));
+        LodView view = support_view(eye, k == 0 ? 2.0 : k == 1 ? 1.0 : 0.7);
+        assert_int_equal(flight_update(&f, &view), RESULT_OK);
+        Measure m = support_check_cut(f.terrain, &f.cut, f.jobs, name);
+        print_message("%s, %s, tau %.1f: max %.3f px, %" PRId64 " triangles\n", lod_method_name(method), name,
+                      view.tau_px, m.max_px, f.cut.stats.triangles);
+    }
+    flight_end(&f);
+    geoid_close(&geoid);
+}
+
+static void test_puget_sound_keeps_the_bound(void **state) {
+    check_real(method_of(state), "puget_utm10_160m_1025.tif");
+}
+
+static void test_mount_washington_keeps_the_bound(void **state) {
+    check_real(method_of(state), "N44W072.hgt");
+}
+
 static void test_statistics_are_those_of_the_cut(void **state) {
     LodOptions options = options_of(method_of(state));
     Flight f = flight_begin(&options, 2, 163, 117, 6);
@@ -346,6 +381,8 @@ static void test_extreme_tolerances_give_whole_cuts(void **state) {
 #define PROPERTIES(X)                                                                                                  \
     X(test_cuts_are_whole_and_keep_what_they_promise)                                                                  \
     X(test_every_sample_is_within_tau_where_the_bound_is_asked_for)                                                    \
+    X(test_puget_sound_keeps_the_bound)                                                                                \
+    X(test_mount_washington_keeps_the_bound)                                                                           \
     X(test_statistics_are_those_of_the_cut)                                                                            \
     X(test_nothing_is_drawn_outside_an_item_s_sphere)                                                                  \
     X(test_any_number_of_workers_gives_the_same_bytes)                                                                 \
