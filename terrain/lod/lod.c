@@ -8,6 +8,7 @@
 
 static const LodOps *const METHODS[LOD_METHOD_COUNT] = {
     [LOD_HYBRID] = &LOD_HYBRID_OPS,
+    [LOD_ROAM] = &LOD_ROAM_OPS,
     [LOD_BRUTE] = &LOD_BRUTE_OPS,
 };
 

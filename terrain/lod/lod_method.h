@@ -26,4 +26,5 @@ typedef struct LodOps {
 } LodOps;
 
 extern const LodOps LOD_HYBRID_OPS;
+extern const LodOps LOD_ROAM_OPS;
 extern const LodOps LOD_BRUTE_OPS;
