@@ -18,6 +18,8 @@ typedef struct Experiment {
 
 static const Experiment experiments[] = {
     {"loeffler", &figures_loeffler, reproduce_loeffler},
+    {"biedermann", &figures_biedermann, reproduce_biedermann},
+    {"ye", &figures_ye, reproduce_ye},
 };
 
 static const Experiment *find_experiment(const Options *options) {

@@ -1,0 +1,73 @@
+#include "app/reproduce_search.h"
+
+#include <math.h>
+
+#define STEPS_MAX 10
+#define CLOSE_ENOUGH 0.02
+#define FIRST_TAU_PX 1.0
+#define FIRST_POWER 1.2 // triangles fall about as tau^-1.2 on rough ground
+#define LEAST_POWER 0.4 // keeps steps short where the curve is flat
+#define GREATEST_POWER 4.0
+
+Result search_begin(const Circuit *circuit, const LodOptions *method, Jobs *jobs, double px_per_rad, double span,
+                    int probes, Search *out) {
+    *out =
+        (Search){.circuit = circuit, .px_per_rad = px_per_rad, .span = span, .probes = probes, .tau_px = FIRST_TAU_PX};
+    race_begin(circuit->terrain, 1, &out->race);
+    return race_enter(&out->race, method, jobs);
+}
+
+void search_end(Search *search) {
+    race_end(&search->race);
+}
+
+static Result probe(Search *search, double tau_px, double *triangles) {
+    *triangles = 0.0;
+    Result result = RESULT_OK;
+    for (int i = 0; i < search->probes && result == RESULT_OK; i++) {
+        Viewpoint at = circuit_at(search->circuit, search->span * (i + 0.5) / search->probes);
+        LodView view = circuit_view(&at, search->px_per_rad, tau_px);
+        double ms;
+        result = racer_refine(&search->race.racers[0], &view, &ms);
+        *triangles += (double)search->race.racers[0].cut.stats.triangles / search->probes;
+    }
+    return result;
+}
+
+// The exponent between two probes of the curve triangles = a tau^-power.
+static double power_between(double tau_a, double a, double tau_b, double b, double otherwise) {
+    double power = -log(a / b) / log(tau_a / tau_b);
+    if (!isfinite(power))
+        return otherwise;
+    return fmin(fmax(power, LEAST_POWER), GREATEST_POWER);
+}
+
+static double next_tau(double tau_px, double ratio, double power) {
+    return fmin(fmax(tau_px * pow(ratio, 1.0 / power), SEARCH_TAU_LEAST_PX), SEARCH_TAU_GREATEST_PX);
+}
+
+Result search_tau(Search *search, double triangles, double *tau_px) {
+    double power = FIRST_POWER, before_tau = 0.0, before = 0.0, nearest = INFINITY;
+    *tau_px = NAN;
+    if (!search->race.racers[0].lod)
+        return RESULT_OK;
+    for (int step = 0; step < STEPS_MAX && nearest > CLOSE_ENOUGH; step++) {
+        double tau = search->tau_px, found;
+        Result result = probe(search, tau, &found);
+        if (result != RESULT_OK)
+            return result;
+        if (fabs(found / triangles - 1.0) < nearest) {
+            nearest = fabs(found / triangles - 1.0);
+            *tau_px = tau;
+        }
+        if (step > 0)
+            power = power_between(before_tau, before, tau, found, power);
+        before_tau = tau;
+        before = found;
+        search->tau_px = next_tau(tau, found / triangles, power);
+        if (search->tau_px == tau)
+            break;
+    }
+    search->tau_px = *tau_px;
+    return RESULT_OK;
+}
