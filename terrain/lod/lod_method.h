@@ -26,5 +26,8 @@ typedef struct LodOps {
 } LodOps;
 
 extern const LodOps LOD_HYBRID_OPS;
+extern const LodOps LOD_PATCH_OPS;
 extern const LodOps LOD_ROAM_OPS;
+extern const LodOps LOD_GEOMIPMAP_OPS;
+extern const LodOps LOD_GEOMIPMAP_YE_OPS;
 extern const LodOps LOD_BRUTE_OPS;

@@ -1,0 +1,176 @@
+#include "terrain/geomipmap/geomip_levels.h"
+
+#include "base/log.h"
+#include "terrain/geomipmap/geomip_mesh.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+
+#define GRAIN 64 // tiles at a time
+
+typedef struct Choosing {
+    const GeomipTiles *tiles;
+    GeomipRule rule;
+    Vec3d eye;
+    Vec3d up;       // at the eye: the ground plane's normal
+    double m_per_m; // tolerated metres a metre of distance: tau / px_per_rad
+    GeomipLevels *levels;
+    _Atomic int64_t triangles, steps; // of all tiles; below their caps
+} Choosing;
+
+// ---- distances and what they allow ----
+
+static double centre_distance2(const Choosing *c, const GeomipTile *tile) {
+    Vec3d to = vec3d_sub(tile->centre_ecef, c->eye);
+    double rise = c->rule.ye ? vec3d_dot(to, c->up) : 0.0; // Ye: in the ground plane
+    return fmax(vec3d_dot(to, to) - rise * rise, 0.0);
+}
+
+static double box_distance(const Choosing *c, const GeomipTile *tile) {
+    GeomipFrame frame = geomip_frame(tile->centre_ecef);
+    Vec3d to = vec3d_sub(c->eye, tile->centre_ecef);
+    double sum = 0.0;
+    for (int k = 0; k < 3; k++) {
+        double x = vec3d_dot(to, frame.axis[k]);
+        double off = fmax(fmax((double)tile->low[k] - x, x - (double)tile->high[k]), 0.0);
+        sum += off * off;
+    }
+    return sqrt(sum);
+}
+
+// The error that a tile may have, in metres.
+static double allowed_m(const Choosing *c, const GeomipTile *tile) {
+    if (c->rule.bounds)
+        return c->m_per_m * box_distance(c, tile);
+    double d2 = centre_distance2(c, tile);
+    return c->rule.ye ? c->m_per_m * c->m_per_m * d2 : c->m_per_m * sqrt(d2);
+}
+
+// ---- levels ----
+
+static int morphed(double share) { // towards the finer level
+    int steps = (int)floor(share * GEOMIP_LEVEL);
+    return steps < 0 ? 0 : steps >= GEOMIP_LEVEL ? GEOMIP_LEVEL - 1 : steps;
+}
+
+// The coarsest level within what is allowed; Ye: and f = (delta - delta_n) / (delta_{n+1} - delta_n) beyond it.
+static int wanted_level(const Choosing *c, int32_t i, double allowed) {
+    const GeomipTiles *tiles = c->tiles;
+    int level = tiles->tiles[i].cap;
+    while (level > 0 && !((double)geomip_delta(tiles, i, level) <= allowed))
+        level--;
+    if (!c->rule.ye || level == tiles->tiles[i].cap)
+        return level * GEOMIP_LEVEL;
+    double fine = (double)geomip_delta(tiles, i, level), coarse = (double)geomip_delta(tiles, i, level + 1);
+    return level * GEOMIP_LEVEL + morphed((allowed - fine) / (coarse - fine));
+}
+
+static void want(void *user, int64_t begin, int64_t end, int worker) {
+    const Choosing *c = user;
+    (void)worker;
+    for (int64_t i = begin; i < end; i++) {
+        c->levels->allowed_m[i] = allowed_m(c, &c->tiles->tiles[i]);
+        c->levels->wanted[i] = (int16_t)wanted_level(c, (int32_t)i, c->levels->allowed_m[i]);
+    }
+}
+
+// ---- what neighbours ask for ----
+
+// The error of a tile at `own` whose side's border is drawn at a level of 0 .. levels - 1 that is coarser.
+static double side_error(const Choosing *c, int32_t tile, int side, int own, int border) {
+    int level = own / GEOMIP_LEVEL;
+    double f = (double)(own % GEOMIP_LEVEL) / GEOMIP_LEVEL;
+    double fine = (double)geomip_strip(c->tiles, tile, side, level, border);
+    return f > 0.0 ? fine + f * ((double)geomip_strip(c->tiles, tile, side, level + 1, border) - fine) : fine;
+}
+
+// At a border of `own`'s own level, at most what is allowed; from there on errors grow linearly from level to level: a
+// morphed border lies between two levels' borders.
+static int border_limit(const Choosing *c, int32_t tile, int side, int most) {
+    int own = c->levels->wanted[tile];
+    double allowed = c->levels->allowed_m[tile];
+    int fine_at = own;
+    double fine = side_error(c, tile, side, own - own % GEOMIP_LEVEL, own / GEOMIP_LEVEL);
+    if (own % GEOMIP_LEVEL) {
+        double next = (double)geomip_delta(c->tiles, tile, own / GEOMIP_LEVEL + 1);
+        fine += (next - fine) * (own % GEOMIP_LEVEL) / GEOMIP_LEVEL;
+    }
+    while (fine_at < most) {
+        int at = (fine_at / GEOMIP_LEVEL + 1) * GEOMIP_LEVEL;
+        double coarse = side_error(c, tile, side, own, at / GEOMIP_LEVEL);
+        if (coarse > allowed) {
+            bool room = c->rule.ye && allowed > fine;
+            int share = room ? morphed((allowed - fine) / (coarse - fine) * (at - fine_at) / GEOMIP_LEVEL) : 0;
+            int limit = fine_at + (share < at - fine_at ? share : at - fine_at - 1);
+            return limit < most ? limit : most;
+        }
+        fine_at = at;
+        fine = coarse;
+    }
+    return most;
+}
+
+static int limited_level(const Choosing *c, int32_t i) {
+    const GeomipTiles *tiles = c->tiles;
+    int level = c->levels->wanted[i];
+    for (int32_t k = tiles->tiles[i].first_link; k < tiles->tiles[i + 1].first_link; k++) {
+        const GeomipLink *link = &tiles->links[k];
+        if (link->tile != GEOMIP_OUTSIDE && c->levels->wanted[link->tile] < level)
+            level = border_limit(c, link->tile, (link->side + 2) % GEOMIP_SIDES, level);
+    }
+    return level;
+}
+
+static void limit(void *user, int64_t begin, int64_t end, int worker) {
+    Choosing *c = user;
+    (void)worker;
+    for (int64_t i = begin; i < end; i++)
+        c->levels->drawn[i] = c->rule.bounds ? (int16_t)limited_level(c, (int32_t)i) : c->levels->wanted[i];
+}
+
+static void count(void *user, int64_t begin, int64_t end, int worker) {
+    Choosing *c = user;
+    GeomipBorder border = c->rule.ye ? GEOMIP_FANNED : GEOMIP_OMITTED;
+    int64_t triangles = 0, steps = 0;
+    (void)worker;
+    for (int64_t i = begin; i < end; i++) {
+        triangles += geomip_mesh_size(c->tiles, c->levels->drawn, (int32_t)i, border).triangles;
+        steps += c->tiles->tiles[i].cap * GEOMIP_LEVEL - c->levels->drawn[i];
+    }
+    atomic_fetch_add(&c->triangles, triangles);
+    atomic_fetch_add(&c->steps, steps);
+}
+
+void geomip_levels_choose(const GeomipTiles *tiles, GeomipRule rule, Vec3d eye_ecef, double px_per_rad, double tau_px,
+                          Jobs *jobs, GeomipLevels *levels) {
+    Choosing choosing = {.tiles = tiles,
+                         .rule = rule,
+                         .eye = eye_ecef,
+                         .up = geomip_frame(eye_ecef).axis[2],
+                         .m_per_m = tau_px / px_per_rad,
+                         .levels = levels};
+    jobs_run(jobs, tiles->squares.count, GRAIN, want, &choosing);
+    jobs_run(jobs, tiles->squares.count, GRAIN, limit, &choosing);
+    jobs_run(jobs, tiles->squares.count, GRAIN, count, &choosing);
+    levels->triangles = choosing.triangles;
+    levels->coarsest = choosing.steps == 0;
+}
+
+Result geomip_levels_create(int32_t tiles, GeomipLevels *out) {
+    size_t n = (size_t)tiles;
+    *out = (GeomipLevels){calloc(n, sizeof *out->drawn), calloc(n, sizeof *out->wanted),
+                          calloc(n, sizeof *out->allowed_m), 0, false};
+    if (out->drawn && out->wanted && out->allowed_m)
+        return RESULT_OK;
+    log_error("geomipmap: not enough memory for the levels of %d tiles", tiles);
+    geomip_levels_destroy(out);
+    return RESULT_MEMORY;
+}
+
+void geomip_levels_destroy(GeomipLevels *levels) {
+    free(levels->drawn);
+    free(levels->wanted);
+    free(levels->allowed_m);
+    *levels = (GeomipLevels){0};
+}
