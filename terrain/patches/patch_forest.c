@@ -63,14 +63,11 @@ static int clamp(int value, int least, int most) {
     return value < least ? least : value > most ? most : value;
 }
 
-// The largest delta among the vertices of the same kind, `side` times finer, inside the diamond at (i, j) of its plane.
-// They are the first that the pages of the diamond's two patches lack.
-static uint16_t missing_error(const Fill *fill, int i, int j) {
-    int side = fill->forest->side, k = fill->plane;
-    const ErrorPlane *fine = &fill->input->errors->planes[k];
+ErrorCodes patch_forest_missing(const ErrorField *errors, int side, int k, int i, int j) {
+    const ErrorPlane *fine = &errors->planes[k];
     bool centre = i & j & 1;
     int ci = i * side, cj = j * side;
-    uint16_t most = 0;
+    ErrorCodes most = {0, 0};
     for (int dj = -side; dj <= side; dj++) {
         int fj = cj + dj;
         if (fj < 0 || fj >= fine->height || (centre && !(fj & 1)))
@@ -79,9 +76,12 @@ static uint16_t missing_error(const Fill *fill, int i, int j) {
         int first = clamp(ci - reach, 0, fine->width - 1), last = clamp(ci + reach, 0, fine->width - 1);
         first +=
             centre || !(fj & 1) ? !(first & 1) : first & 1; // columns of the same kind are odd, or even on odd rows
-        const uint16_t *row = fine->delta + (size_t)fj * fine->stride;
-        for (int fi = first; fi <= last; fi += 2)
-            most = row[fi] > most ? row[fi] : most;
+        size_t row = (size_t)fj * fine->stride;
+        for (int fi = first; fi <= last; fi += 2) {
+            uint16_t delta = fine->delta[row + (size_t)fi], radius = fine->radius[row + (size_t)fi];
+            most.delta = delta > most.delta ? delta : most.delta;
+            most.radius = radius > most.radius ? radius : most.radius;
+        }
     }
     return most;
 }
@@ -112,7 +112,8 @@ static void fill_vertex(const Fill *fill, int i, int j) {
     int col = i * plane->step, row = j * plane->step;
     ErrorCodes codes = error_field_at(fill->input->errors, col, row);
     float h = fill->input->height_m[(size_t)row * (size_t)fill->input->forest->width + (size_t)col];
-    float own = error_field_decode(missing_error(fill, i, j)), child = largest_child(fill, i, j);
+    ErrorCodes missing = patch_forest_missing(fill->input->errors, fill->forest->side, fill->plane, i, j);
+    float own = error_field_decode(missing.delta), child = largest_child(fill, i, j);
     vertex->position = grid_point_ecef(grid_lattice(fill->input->grid, col, row, h));
     vertex->delta = codes.delta == ERROR_FIELD_ALWAYS ? error_field_decode(codes.delta) : own > child ? own : child;
     vertex->radius = error_field_decode(codes.radius);

@@ -62,6 +62,10 @@ typedef struct PatchForestInput {
 MUST_USE Result patch_forest_create(const PatchForestInput *input, Jobs *jobs, PatchForest *out);
 void patch_forest_destroy(PatchForest *forest);
 
+// The largest codes among the vertices of the same kind, `side` times finer, inside the diamond at entry (i, j) of
+// patch plane k. They are the first that the pages of the diamond's two patches lack.
+ErrorCodes patch_forest_missing(const ErrorField *errors, int side, int k, int i, int j);
+
 // The triangle of root 0 or 1 of a tile.
 PatchTriangle patch_forest_root(const ForestTile *tile, int root);
 static inline PatchCorner patch_triangle_middle(const PatchTriangle *t) {

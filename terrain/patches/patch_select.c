@@ -4,7 +4,9 @@
 
 typedef struct Descent {
     const PatchForest *forest;
-    const RefineView *view; // NULL: down to the finest
+    const RefineView *view; // NULL: as `where` says
+    PatchSplits *where;     // NULL: down to the finest
+    void *user;
     const PatchTile *tile;
     int32_t root_node; // node number of heap 0 of this root
     int32_t count_max;
@@ -26,7 +28,7 @@ static Result append(PatchSelection *out, PatchChoice choice) {
 
 static bool splits(const Descent *d, PatchCorner middle) {
     if (!d->view)
-        return true;
+        return !d->where || d->where(d->user, d->tile, middle);
     const PatchVertex *vertex = patch_forest_vertex(d->forest, middle);
     return refine_is_active(d->view, vertex->position, vertex->delta, vertex->radius);
 }
@@ -64,6 +66,12 @@ static Result select_all(Descent *d) {
 
 Result patch_select(const PatchForest *forest, const RefineView *view, int32_t count_max, PatchSelection *out) {
     Descent d = {.forest = forest, .view = view, .count_max = count_max, .out = out};
+    return select_all(&d);
+}
+
+Result patch_select_where(const PatchForest *forest, PatchSplits *where, void *user, int32_t count_max,
+                          PatchSelection *out) {
+    Descent d = {.forest = forest, .where = where, .user = user, .count_max = count_max, .out = out};
     return select_all(&d);
 }
 

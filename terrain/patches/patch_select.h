@@ -22,6 +22,11 @@ typedef struct PatchSelection {
 // The coarsest patches whose pages can show all that is active in `view`. BUDGET: there are more than `count_max`, and
 // the selection is incomplete; MEMORY.
 MUST_USE Result patch_select(const PatchForest *forest, const RefineView *view, int32_t count_max, PatchSelection *out);
+// Whether the patches of this tile split at `middle`; asked from the coarsest down.
+typedef bool PatchSplits(void *user, const PatchTile *tile, PatchCorner middle);
+// The coarsest patches that do not split. Results as above.
+MUST_USE Result patch_select_where(const PatchForest *forest, PatchSplits *where, void *user, int32_t count_max,
+                                   PatchSelection *out);
 // The finest patches.
 MUST_USE Result patch_select_finest(const PatchForest *forest, PatchSelection *out);
 void patch_selection_destroy(PatchSelection *selection);

@@ -62,7 +62,7 @@ static Decided decide(const int32_t *restrict px, const int32_t *restrict py, co
 }
 
 // Depth first over the heap: past a triangle that is drawn, go on at the next one whose parent is split.
-static int32_t emit(const PatchTemplate *patch, const uint8_t *active, uint16_t *indices) {
+int32_t refine_emit(const PatchTemplate *patch, const uint8_t *active, uint16_t *indices) {
     uint32_t heap = 1, leaves = (uint32_t)patch->triangle_count;
     uint16_t *out = indices;
     do {
@@ -76,7 +76,7 @@ static int32_t emit(const PatchTemplate *patch, const uint8_t *active, uint16_t 
     return (int32_t)(out - indices);
 }
 
-RefineResult refine_page(const Page *page, const RefineView *view, uint8_t *active, uint16_t *indices) {
+RefineResult refine_decide(const Page *page, const RefineView *view, uint8_t *active) {
     const PatchTemplate *patch = page->patch;
     const GridPoint *o = &page->shown.origin;
     double origin[3] = {(double)o->x, (double)o->y, (double)o->z};
@@ -96,7 +96,6 @@ RefineResult refine_page(const Page *page, const RefineView *view, uint8_t *acti
     }
     memset(active + end, 0, (size_t)(patch->vertex_count - end));
     RefineResult result = {.evaluated = end - patch->level_begin[0]};
-    result.index_count = emit(patch, active, indices);
     union {
         int64_t bits;
         double value;
@@ -105,6 +104,12 @@ RefineResult refine_page(const Page *page, const RefineView *view, uint8_t *acti
     result.vertex_count = patch->level_begin[0];
     for (int v = patch->level_begin[0]; v < end; v++)
         result.vertex_count += active[v];
+    return result;
+}
+
+RefineResult refine_page(const Page *page, const RefineView *view, uint8_t *active, uint16_t *indices) {
+    RefineResult result = refine_decide(page, view, active);
+    result.index_count = refine_emit(page->patch, active, indices);
     return result;
 }
 

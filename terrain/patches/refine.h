@@ -27,7 +27,11 @@ typedef struct RefineResult {
 size_t refine_active_bytes(const PatchTemplate *patch);
 size_t refine_indices_max(const PatchTemplate *patch);
 
-// `indices`: triangles, counter-clockwise seen from above, in depth-first order.
+// Which vertices are active, [vertex_count]; index_count stays 0.
+RefineResult refine_decide(const Page *page, const RefineView *view, uint8_t *active);
+// The triangles between active vertices, each of which has its parents active: how many indices.
+int32_t refine_emit(const PatchTemplate *patch, const uint8_t *active, uint16_t *indices);
+// Both. `indices`: triangles, counter-clockwise seen from above, in depth-first order.
 RefineResult refine_page(const Page *page, const RefineView *view, uint8_t *active, uint16_t *indices);
 // The same with every vertex active.
 int32_t refine_all(const PatchTemplate *patch, uint16_t *indices);
