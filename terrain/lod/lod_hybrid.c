@@ -6,6 +6,7 @@
 // Differences from the paper: activity is nu delta + r > d, which does not flip its sign inside a vertex's sphere;
 // selection is done anew each frame (microseconds), so the sphere need not count the patch's own split; triangles are
 // an index list, no strip.
+#include "terrain/lod/budget.h"
 #include "terrain/lod/lod_method.h"
 #include "terrain/lod/partition.h"
 #include "terrain/patches/index_list.h"
@@ -21,16 +22,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Above the budget the tolerance grows by this; it shrinks again when the count is well below.
-#define RAISE 1.25
-#define RAISE_FAST 4.0
-#define LOWER 1.1
-#define LOWER_BELOW 0.7
 // A selection is given up, before it costs memory, when its patches at one in so many of their triangles are above the
 // budget.
 #define PATCH_SHARE 8
-// Here only the vertices that must be active are; nu is still above 0, so that nu times an infinite delta is infinite.
-#define COARSEST_PX 1e12
 // Predicted nanoseconds, to balance partitions: measured on one core at 2.5 GHz, only their ratios matter.
 #define WORK_FILL_VERTEX 30.0
 #define WORK_DECIDE_VERTEX 1.5
@@ -69,7 +63,7 @@ typedef struct Hybrid {
     PageStore pages;
     Node *nodes; // [node_count]
     uint64_t next_revision;
-    double raised_px; // the tolerance that the budget forced in the last frame; 0: none
+    Budget budget;
     PatchSelection selection;
     Selected *selected; // [selection.count], in the frame's memory
     IndexStore lists;   // a pool a partition
@@ -97,7 +91,7 @@ static void evict_pages(Hybrid *h, uint64_t released) {
 // Selection (4.1) ---------------------------------------------------------------------------------------------
 
 static int32_t patches_max(const Hybrid *h, double tau_px) {
-    if (tau_px > COARSEST_PX) // it gets no smaller
+    if (tau_px > BUDGET_COARSEST_PX) // it gets no smaller
         return INT32_MAX;
     int64_t share = ((int64_t)1 << h->terrain->options.patch_level) / PATCH_SHARE;
     int64_t most = h->options.max_triangles / (share > 1 ? share : 1);
@@ -298,7 +292,15 @@ static Result triangulate_stale(Update *u, LodStats *stats) {
 
 // The cut ------------------------------------------------------------------------------------------------------
 
-static Result refine_at(Hybrid *h, const LodCall *call, double tau_px, LodStats *stats) {
+typedef struct Refining {
+    Hybrid *h;
+    const LodCall *call;
+} Refining;
+
+static Result refine_at(void *user, double tau_px, LodStats *stats) {
+    const Refining *refining = user;
+    Hybrid *h = refining->h;
+    const LodCall *call = refining->call;
     *stats = (LodStats){.select_ns = stats->select_ns, .refine_ns = stats->refine_ns};
     int64_t begin = clock_now_ns();
     Update u = {
@@ -320,25 +322,6 @@ static Result refine_at(Hybrid *h, const LodCall *call, double tau_px, LodStats 
     return result;
 }
 
-// Refines at the tolerance asked for, or, above the budget, at the smallest tried one that keeps it.
-static Result refine_within_budget(Hybrid *h, const LodCall *call, LodCut *cut) {
-    double tau = call->view->tau_px > h->raised_px ? call->view->tau_px : h->raised_px;
-    for (;;) {
-        Result result = refine_at(h, call, tau, &cut->stats);
-        bool gave_up = result == RESULT_BUDGET;
-        if (result != RESULT_OK && !gave_up)
-            return result;
-        if (!gave_up && (cut->stats.triangles <= h->options.max_triangles || tau > COARSEST_PX))
-            break;
-        tau *= gave_up ? RAISE_FAST : RAISE;
-    }
-    cut->reached_px = tau;
-    bool over = tau > call->view->tau_px;
-    bool roomy = (double)cut->stats.triangles < LOWER_BELOW * (double)h->options.max_triangles;
-    h->raised_px = over ? roomy ? tau / LOWER : tau : 0.0;
-    return over ? RESULT_BUDGET : RESULT_OK;
-}
-
 static LodItem item_of(const Hybrid *h, int32_t index) {
     const PatchChoice *choice = &h->selection.choices[index];
     const Selected *selected = &h->selected[index];
@@ -358,7 +341,8 @@ static LodItem item_of(const Hybrid *h, int32_t index) {
 
 static Result hybrid_update(void *state, const LodCall *call, LodCut *cut) {
     Hybrid *h = state;
-    Result result = refine_within_budget(h, call, cut);
+    Refining refining = {h, call};
+    Result result = budget_refine(&h->budget, refine_at, &refining, cut);
     if (result != RESULT_OK && result != RESULT_BUDGET)
         return result;
     LodItem *items = arena_new(call->frame, LodItem, h->selection.count);
@@ -394,6 +378,7 @@ static Result hybrid_create(const LodOptions *options, const Terrain *terrain, v
         return RESULT_MEMORY;
     h->options = *options;
     h->terrain = terrain;
+    h->budget.max_triangles = options->max_triangles;
     h->pages.next_id = h->next_revision = lod_first_id(options);
     h->nodes = calloc((size_t)terrain->patches.node_count, sizeof *h->nodes);
     if (!h->nodes) {

@@ -6,6 +6,7 @@
 // (lod_patch_rest.c), so that it agrees with the static patches beside (lod_patch_seam.c).
 #include "terrain/lod/budget.h"
 #include "terrain/lod/lod_method.h"
+#include "terrain/lod/lod_patch_near.h"
 #include "terrain/lod/lod_patch_rest.h"
 #include "terrain/lod/lod_patch_seam.h"
 #include "terrain/terrain_parts.h"
@@ -37,7 +38,8 @@ typedef struct PatchMethod {
 typedef struct Update {
     PatchMethod *m;
     const LodCall *call;
-    int32_t *fresh; // [fresh_count] choices whose page is to be filled
+    double nearest_m; // from the eye to the terrain; 0: not asked for yet
+    int32_t *fresh;   // [fresh_count] choices whose page is to be filled
     int32_t fresh_count;
 } Update;
 
@@ -51,11 +53,37 @@ static int32_t patches_max(const PatchMethod *m, double tau_px) {
     return most < INT32_MAX ? (int32_t)most : INT32_MAX;
 }
 
-static Result select_patches(PatchMethod *m, const LodCall *call, double tau_px) {
-    RefineView view = refine_view(call->view, tau_px);
+typedef struct Asking {
+    const PatchForest *forest;
+    const SeamView *view;
+} Asking;
+
+static bool splits(void *user, const PatchTile *tile, PatchCorner middle) {
+    const Asking *asking = user;
+    const PatchVertex *vertex = patch_forest_vertex(asking->forest, middle);
+    (void)tile;
+    return seam_view_matters(asking->view, vertex->delta) &&
+           refine_is_active(&asking->view->view, vertex->position, vertex->delta, vertex->radius);
+}
+
+// Around the eye patches split for their nested radius alone, at any tolerance. Where that is too much for the budget,
+// the true distance to the terrain bounds what their errors can look like.
+static SeamView view_at(Update *u, double tau_px) {
+    const LodView *view = u->call->view;
+    if (tau_px > view->tau_px && u->nearest_m <= 0.0)
+        u->nearest_m = near_distance_m(u->m->terrain, view->eye_ecef);
+    return (SeamView){refine_view(view, tau_px), tau_px > view->tau_px ? u->nearest_m : 0.0};
+}
+
+static Result select_patches(Update *u, double tau_px) {
+    PatchMethod *m = u->m;
+    const LodCall *call = u->call;
+    SeamView view = view_at(u, tau_px);
     int32_t most = patches_max(m, tau_px);
-    if (m->seam.empty)
-        return patch_select(&m->terrain->patches, &view, most, &m->selection);
+    if (m->seam.empty) {
+        Asking asking = {&m->terrain->patches, &view};
+        return patch_select_where(asking.forest, splits, &asking, most, &m->selection);
+    }
     seam_begin(&m->seam);
     Result result = seam_split(&m->seam, &view, most, &m->selection);
     if (result != RESULT_OK)
@@ -153,7 +181,7 @@ static Result refine_at(void *user, double tau_px, LodStats *stats) {
     *stats = (LodStats){.select_ns = stats->select_ns, .refine_ns = stats->refine_ns};
     int64_t begin = clock_now_ns();
     u->fresh_count = 0;
-    Result result = select_patches(m, u->call, tau_px);
+    Result result = select_patches(u, tau_px);
     int64_t selected = clock_now_ns();
     stats->select_ns += selected - begin;
     if (result == RESULT_OK)

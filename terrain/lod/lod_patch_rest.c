@@ -10,7 +10,7 @@
 typedef struct Pass {
     PatchRest *rest;
     const PatchSeam *seam;
-    const RefineView *view;
+    const SeamView *view;
     bool all;
     int parts;
     bool failed[LOD_PARTITIONS_MAX];
@@ -96,24 +96,24 @@ static void decide_task(void *user, int64_t begin, int64_t end, int worker) {
         RestPage *r = &pass->rest->pages[i];
         if (!r->page->filled)
             page_fill(r->page, pass->seam->terrain, &r->triangle);
-        r->evaluated = refine_decide(r->page, pass->view, r->decided).evaluated;
+        r->evaluated = refine_decide(r->page, &pass->view->view, r->decided).evaluated;
     }
 }
 
 // Its corners, which each page shows, and what is active by its error.
-static void activate_page(PatchSeam *seam, const RestPage *r) {
+static void activate_page(PatchSeam *seam, const RestPage *r, const SeamView *view) {
     const LodPage *shown = &r->page->shown;
     int first = r->page->patch->level_begin[0], end = first + r->evaluated;
     for (int v = 0; v < end; v++)
-        if (v < first || r->decided[v])
+        if (v < first || (r->decided[v] && seam_view_matters(view, error_field_decode(r->page->delta[v]))))
             seam_activate(seam, shown->col0 + shown->vertices[v].col, shown->row0 + shown->vertices[v].row);
 }
 
-void rest_decide(PatchRest *rest, PatchSeam *seam, const RefineView *view, Jobs *jobs) {
+void rest_decide(PatchRest *rest, PatchSeam *seam, const SeamView *view, Jobs *jobs) {
     Pass pass = {.rest = rest, .seam = seam, .view = view};
     jobs_run(jobs, rest->count, 16, decide_task, &pass);
     for (int32_t i = 0; i < rest->count; i++)
-        activate_page(seam, &rest->pages[i]);
+        activate_page(seam, &rest->pages[i], view);
 }
 
 // Triangulating ------------------------------------------------------------------------------------------------

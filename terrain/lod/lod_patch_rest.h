@@ -30,7 +30,7 @@ MUST_USE Result rest_create(const PatchSeam *seam, PageStore *pages, PatchRest *
 void rest_destroy(PatchRest *rest);
 
 // Activates in the seam what is active by its error.
-void rest_decide(PatchRest *rest, PatchSeam *seam, const RefineView *view, Jobs *jobs);
+void rest_decide(PatchRest *rest, PatchSeam *seam, const SeamView *view, Jobs *jobs);
 // Triangulates, after the seam was closed, the pages whose active vertices changed, or all. Revisions count up. MEMORY.
 MUST_USE Result rest_triangulate(PatchRest *rest, const PatchSeam *seam, const LodCall *call, bool all,
                                  uint64_t *revision);

@@ -174,7 +174,7 @@ Result seam_close(PatchSeam *seam) {
 
 typedef struct Asking {
     PatchSeam *seam;
-    const RefineView *view; // NULL: as split before
+    const SeamView *view; // NULL: as split before
 } Asking;
 
 bool seam_is_static(const PatchSeam *seam, const ForestTile *tile) {
@@ -187,7 +187,8 @@ static bool view_splits(const Asking *asking, PatchCorner middle) {
     const PatchVertex *vertex = patch_forest_vertex(&seam->terrain->patches, middle);
     const SeamSphere *sphere = &seam->spheres[plane][seam_plane_entry(seam, plane, middle.col, middle.row)];
     return 1 << k > seam->widest_step ||
-           refine_is_active(asking->view, vertex->position, sphere->delta, sphere->radius);
+           (seam_view_matters(asking->view, sphere->delta) &&
+            refine_is_active(&asking->view->view, vertex->position, sphere->delta, sphere->radius));
 }
 
 static bool splits(void *user, const PatchTile *tile, PatchCorner middle) {
@@ -201,7 +202,7 @@ static bool splits(void *user, const PatchTile *tile, PatchCorner middle) {
     return true;
 }
 
-Result seam_split(PatchSeam *seam, const RefineView *view, int32_t count_max, PatchSelection *out) {
+Result seam_split(PatchSeam *seam, const SeamView *view, int32_t count_max, PatchSelection *out) {
     Asking asking = {seam, view};
     return patch_select_where(&seam->terrain->patches, splits, &asking, count_max, out);
 }

@@ -44,8 +44,17 @@ bool seam_is_static(const PatchSeam *seam, const ForestTile *tile);
 
 // A new frame: nothing is active, nothing splits but what must.
 void seam_begin(PatchSeam *seam);
+// What a view asks for. No sample is nearer to the eye than `nearest_m`: errors that are small enough there are so
+// everywhere.
+typedef struct SeamView {
+    RefineView view;
+    double nearest_m; // 0: not known
+} SeamView;
+static inline bool seam_view_matters(const SeamView *view, float delta_m) {
+    return view->view.nu * (double)delta_m > view->nearest_m || view->nearest_m <= 0.0;
+}
 // Static patches split where the view asks for it. BUDGET, MEMORY as patch_select.
-MUST_USE Result seam_split(PatchSeam *seam, const RefineView *view, int32_t count_max, PatchSelection *out);
+MUST_USE Result seam_split(PatchSeam *seam, const SeamView *view, int32_t count_max, PatchSelection *out);
 // A vertex of the remainder is active.
 void seam_activate(PatchSeam *seam, int32_t col, int32_t row);
 // Adds what follows: parents of active vertices, vertices that static patches show on the border, patches that must
