@@ -52,6 +52,11 @@ static RenderCamera chase(const Flight *flight, Vec3d up) {
     return (RenderCamera){.eye_ecef = above_ground(flight, eye, up), .camera_from_ecef = look_along(look, above)};
 }
 
+double camera_px_per_rad(double fov_y_rad, double width, double height, bool corner) {
+    double centre = height / (2.0 * tan(fov_y_rad / 2.0));
+    return corner ? centre * (1.0 + (width * width + height * height) / (4.0 * centre * centre)) : centre;
+}
+
 RenderCamera camera_of_flight(const Flight *flight, CameraView view, double fov_y_rad) {
     Geodetic place = geodesy_from_ecef(flight->state.position_ecef);
     Vec3d local_up = geodesy_up(place.lat_rad, place.lon_rad);

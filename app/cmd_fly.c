@@ -61,6 +61,8 @@ static Result start_session(Fly *fly) {
 static Result start_pipeline(Fly *fly) {
     PipelineOptions pipeline = {.threaded = !options_flag(fly->options, OPTION_LOCKSTEP),
                                 .lod = scene_lod_options(fly->options),
+                                .compare = fly->session->settings.compare,
+                                .right = fly->session->settings.right,
                                 .render = picture_render_options(fly->options, &fly->world),
                                 .terrain = fly->world.terrain,
                                 .jobs = fly->world.jobs,

@@ -29,16 +29,23 @@ static Result check_output(Snapshot *snapshot) {
     return RESULT_USAGE;
 }
 
+static LodMethod compared_method(const Options *options) {
+    return options_is_set(options, OPTION_COMPARE) ? (LodMethod)options_choice(options, OPTION_COMPARE) : LOD_HYBRID;
+}
+
 static FrameOrder make_order(const Snapshot *snapshot) {
     const Options *options = snapshot->options;
     const double *size = options_numbers(options, OPTION_SIZE);
     FrameOrder order = {.method = (LodMethod)options_choice(options, OPTION_METHOD),
+                        .compare = options_is_set(options, OPTION_COMPARE),
+                        .right = compared_method(options),
                         .view = world_lod_view(&snapshot->world, options, &snapshot->view),
                         .width = (int)size[0],
                         .height = (int)size[1]};
     order.look = (RenderPacket){.sun_ecef = world_sun(&snapshot->world, options, &snapshot->view),
                                 .colouring = (RenderColouring)options_choice(options, OPTION_COLOUR),
                                 .wireframe = options_flag(options, OPTION_WIREFRAME),
+                                .hud = {.show_names = order.compare},
                                 .magenta_background = options_flag(options, OPTION_MAGENTA)};
     order.look.camera = (RenderCamera){.eye_ecef = order.view.eye_ecef,
                                        .camera_from_ecef = viewpoint_camera(&snapshot->view),
@@ -49,6 +56,8 @@ static FrameOrder make_order(const Snapshot *snapshot) {
 
 static Result start_pipeline(Snapshot *snapshot) {
     PipelineOptions pipeline = {.lod = scene_lod_options(snapshot->options),
+                                .compare = options_is_set(snapshot->options, OPTION_COMPARE),
+                                .right = compared_method(snapshot->options),
                                 .render = picture_render_options(snapshot->options, &snapshot->world),
                                 .terrain = snapshot->world.terrain,
                                 .jobs = snapshot->world.jobs,
@@ -57,6 +66,21 @@ static Result start_pipeline(Snapshot *snapshot) {
     if (pipeline.render.samples == 0)
         pipeline.render.samples = SAMPLES;
     return pipeline_create(&pipeline, &snapshot->pipeline);
+}
+
+// `ms`: refining, uploading, drawing.
+static void add_cut(Json *json, const PipelineCut *cut, int64_t triangles_drawn, const double ms[3]) {
+    json_add_text(json, "method", lod_method_name(cut->method));
+    json_add_number(json, "reached_px", cut->reached_px);
+    json_add_bool(json, "promises", cut->promises);
+    json_add_integer(json, "triangles", cut->lod.triangles);
+    json_add_integer(json, "patches", cut->lod.patches);
+    json_add_integer(json, "partitions", cut->lod.partitions);
+    json_add_number(json, "balance", cut->lod.balance);
+    json_add_integer(json, "triangles_drawn", triangles_drawn);
+    json_add_number(json, "refine_ms", ms[0]);
+    json_add_number(json, "upload_ms", ms[1]);
+    json_add_number(json, "draw_ms", ms[2]);
 }
 
 static Result print_json(const Snapshot *snapshot) {
@@ -68,15 +92,13 @@ static Result print_json(const Snapshot *snapshot) {
     json_add_text(json, "dem", terrain_dem(snapshot->world.terrain)->file);
     json_add_numbers(json, "eye", (double[3]){view->lat_deg, view->lon_deg, view->alt_m}, 3);
     json_add_numbers(json, "look", (double[2]){view->heading_deg, view->pitch_deg}, 2);
-    json_add_text(json, "method", lod_method_name(stats.method));
     json_add_number(json, "tau_px", options_number(snapshot->options, OPTION_TAU));
-    json_add_number(json, "reached_px", stats.reached_px);
-    json_add_integer(json, "triangles", stats.lod.triangles);
-    json_add_integer(json, "patches", stats.lod.patches);
-    json_add_integer(json, "triangles_drawn", stats.render.triangles_drawn);
-    json_add_number(json, "refine_ms", times.refine.max);
-    json_add_number(json, "upload_ms", times.upload.max);
-    json_add_number(json, "draw_ms", times.draw.max);
+    const double left_ms[] = {times.refine.max, times.upload.max, times.draw.max};
+    add_cut(json, &stats.cut, stats.render.triangles_drawn, left_ms);
+    if (stats.split) {
+        const double right_ms[] = {times.right_refine.max, times.right_upload.max, times.right_draw.max};
+        add_cut(json_add_object(json, "right"), &stats.right, stats.render.right.triangles_drawn, right_ms);
+    }
     json_add_text(json, "renderer", context_renderer_name(snapshot->context));
     json_add_bool(json, "software", context_is_software(snapshot->context));
     Result result = json_print(json);

@@ -32,7 +32,6 @@ static void add_aircraft(Json *json, const FlightSession *session) {
 }
 
 static void add_settings(Json *json, const FlightSettings *settings) {
-    json_add_text(json, "method", lod_method_name(settings->method));
     json_add_number(json, "tau_px", settings->tau_px);
     json_add_number(json, "fov_deg", degrees(settings->fov_rad));
     json_add_text(json, "view", camera_view_name(settings->view));
@@ -54,15 +53,48 @@ static void add_times(Json *json, const char *name, FrameTimesSummary times) {
     json_add_number(object, "max", times.max);
 }
 
+static void add_cut(Json *json, const PipelineCut *cut, int64_t triangles_drawn) {
+    json_add_text(json, "method", lod_method_name(cut->method));
+    json_add_integer(json, "triangles", cut->lod.triangles);
+    json_add_integer(json, "patches", cut->lod.patches);
+    json_add_integer(json, "patches_reused", cut->lod.patches_reused);
+    json_add_integer(json, "partitions", cut->lod.partitions);
+    json_add_number(json, "balance", cut->lod.balance);
+    json_add_integer(json, "triangles_drawn", triangles_drawn);
+    json_add_number(json, "reached_px", cut->reached_px);
+    json_add_bool(json, "promises", cut->promises);
+}
+
+// Of the right half, in the last frame drawn; its times are of all frames that had one.
+static void add_right(Json *json, const PipelineStats *stats, const PipelineTimes *times) {
+    json_add_bool(json, "compare", stats->split);
+    json_add_integer(json, "frames_compared", stats->frames_split);
+    if (!stats->split)
+        return;
+    Json *right = json_add_object(json, "right");
+    add_cut(right, &stats->right, stats->render.right.triangles_drawn);
+    add_times(right, "refine_ms", times->right_refine);
+    add_times(right, "upload_ms", times->right_upload);
+    add_times(right, "draw_ms", times->right_draw);
+}
+
+static void add_changes(Json *json, const PipelineStats *stats) {
+    json_add_integer(json, "method_changes", stats->changes.changes);
+    json_add_integer(json, "method_refusals", stats->changes.refusals);
+    json_add_number(json, "longest_create_ms", stats->changes.longest_create_ms);
+    json_add_number(json, "longest_first_refine_ms", stats->changes.longest_first_refine_ms);
+    json_add_number(json, "longest_frame_ms", stats->longest_frame_ms);
+    Json *frames = json_add_object(json, "frames_by_method");
+    for (int i = 0; i < LOD_METHOD_COUNT; i++)
+        if (stats->frames_by_method[i] > 0)
+            json_add_integer(frames, lod_method_name((LodMethod)i), stats->frames_by_method[i]);
+}
+
 static void add_frames(Json *json, const PipelineStats *stats, const PipelineTimes *times) {
     double frames = stats->frames > 0 ? (double)stats->frames : NAN;
     json_add_integer(json, "frames", stats->frames);
-    json_add_integer(json, "triangles", stats->lod.triangles);
+    add_cut(json, &stats->cut, stats->render.triangles_drawn);
     json_add_number(json, "triangles_mean", (double)stats->triangles_sum / frames);
-    json_add_integer(json, "patches", stats->lod.patches);
-    json_add_integer(json, "patches_reused", stats->lod.patches_reused);
-    json_add_integer(json, "triangles_drawn", stats->render.triangles_drawn);
-    json_add_number(json, "reached_px", stats->reached_px);
     json_add_integer(json, "vram_bytes", stats->render.vram_bytes);
     add_times(json, "frame_ms", times->frame);
     add_times(json, "refine_ms", times->refine);
@@ -78,6 +110,8 @@ Result flight_report_json(const FlightReport *report) {
     json_add_text(json, "renderer", context_renderer_name(report->context));
     json_add_bool(json, "software", context_is_software(report->context));
     add_frames(json, &report->stats, &report->times);
+    add_changes(json, &report->stats);
+    add_right(json, &report->stats, &report->times);
     add_aircraft(json, report->session);
     add_settings(json, &report->session->settings);
     Result result = json_print(json);
@@ -85,11 +119,18 @@ Result flight_report_json(const FlightReport *report) {
     return result;
 }
 
+static void log_cut(const char *where, const PipelineCut *cut) {
+    log_info("%s: %s, %lld triangles in %lld patches, %s %.2f px", where, lod_method_name(cut->method),
+             (long long)cut->lod.triangles, (long long)cut->lod.patches,
+             cut->promises ? "error at most" : "no bound on the error, asked for", cut->reached_px);
+}
+
 void flight_report_log(const FlightReport *report) {
     const PipelineStats *stats = &report->stats;
     FrameTimesSummary frame = report->times.frame;
-    log_info("%lld frames; %.1f ms a frame (p99 %.1f, longest %.1f); last cut: %lld triangles in %lld patches, "
-             "error at most %.2f px",
-             (long long)stats->frames, frame.mean, frame.p99, frame.max, (long long)stats->lod.triangles,
-             (long long)stats->lod.patches, stats->reached_px);
+    log_info("%lld frames; %.1f ms a frame (p99 %.1f, longest %.1f)", (long long)stats->frames, frame.mean, frame.p99,
+             frame.max);
+    log_cut(stats->split ? "left" : "last cut", &stats->cut);
+    if (stats->split)
+        log_cut("right", &stats->right);
 }

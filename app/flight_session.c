@@ -169,7 +169,7 @@ static RenderHud make_hud(const FlightSession *session, double frame_ms, double 
                        .crashed = session->flight.state.contact == FLIGHT_CRASHED,
                        .paused = settings->clock.paused,
                        .datum = "EGM96",
-                       .method = lod_method_name(settings->method),
+                       .show_names = settings->show_flight && !settings->show_numbers,
                        .frame_ms = frame_ms,
                        .frame_p99_ms = frame_p99_ms};
 }
@@ -177,7 +177,11 @@ static RenderHud make_hud(const FlightSession *session, double frame_ms, double 
 void session_order(const FlightSession *session, int width, int height, double frame_ms, double frame_p99_ms,
                    FrameOrder *order) {
     const FlightSettings *settings = &session->settings;
-    *order = (FrameOrder){.method = settings->method, .width = width, .height = height};
+    *order = (FrameOrder){.method = settings->method,
+                          .compare = settings->compare,
+                          .right = settings->right,
+                          .width = width,
+                          .height = height};
     RenderPacket *look = &order->look;
     look->camera = camera_of_flight(&session->flight, settings->view, settings->fov_rad);
     look->sun_ecef = session->sun_ecef;
@@ -188,7 +192,8 @@ void session_order(const FlightSession *session, int width, int height, double f
     const double *back = look->camera.camera_from_ecef.m[2];
     order->view = (LodView){.eye_ecef = look->camera.eye_ecef,
                             .forward_ecef = vec3d(-back[0], -back[1], -back[2]),
-                            .px_per_rad = height / (2.0 * tan(settings->fov_rad / 2.0)),
+                            // Of the whole picture in two halves too: comparing changes no triangle.
+                            .px_per_rad = camera_px_per_rad(settings->fov_rad, width, height, settings->bound_corner),
                             .tau_px = settings->tau_px};
     if (session->message_s > 0.0)
         memcpy(order->message, session->message, sizeof order->message);

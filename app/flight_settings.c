@@ -1,5 +1,6 @@
 #include "app/flight_settings.h"
 
+#include "app/scene_load.h"
 #include "terrain/geodesy.h"
 
 #include <math.h>
@@ -14,7 +15,11 @@
 
 FlightSettings flight_settings_create(const Options *options) {
     bool hud = options_flag(options, OPTION_HUD);
+    bool compare = options_is_set(options, OPTION_COMPARE);
     return (FlightSettings){.method = (LodMethod)options_choice(options, OPTION_METHOD),
+                            .compare = compare,
+                            .right = compare ? (LodMethod)options_choice(options, OPTION_COMPARE) : LOD_HYBRID,
+                            .bound_corner = scene_bound_corner(options),
                             .tau_px = options_number(options, OPTION_TAU),
                             .fov_rad = options_number(options, OPTION_FOV) * GEODESY_RAD_PER_DEG,
                             .colouring = (RenderColouring)options_choice(options, OPTION_COLOUR),
@@ -85,6 +90,42 @@ static bool apply_time(FlightSettings *settings, Action action, char *message, s
     }
 }
 
+static LodMethod method_after(LodMethod method) {
+    return (LodMethod)((method + 1) % LOD_METHOD_COUNT);
+}
+
+// What is wanted; the display says what is shown.
+static void say_methods(const FlightSettings *settings, char *message, size_t size) {
+    if (settings->compare)
+        snprintf(message, size, "left: %s, right: %s", lod_method_name(settings->method),
+                 lod_method_name(settings->right));
+    else
+        snprintf(message, size, "method: %s", lod_method_name(settings->method));
+}
+
+static bool apply_method(FlightSettings *settings, Action action, char *message, size_t size) {
+    switch (action) {
+    case ACTION_METHOD:
+        settings->method = method_after(settings->method);
+        break;
+    case ACTION_METHOD_RIGHT:
+        if (!settings->compare) {
+            snprintf(message, size, "press c to see two methods");
+            return true;
+        }
+        settings->right = method_after(settings->right);
+        break;
+    case ACTION_COMPARE:
+        settings->compare = !settings->compare;
+        settings->right = method_after(settings->method);
+        break;
+    default:
+        return false;
+    }
+    say_methods(settings, message, size);
+    return true;
+}
+
 static bool apply_detail(FlightSettings *settings, Action action, char *message, size_t size) {
     switch (action) {
     case ACTION_FINER:
@@ -92,10 +133,6 @@ static bool apply_detail(FlightSettings *settings, Action action, char *message,
         settings->tau_px =
             scaled(settings->tau_px, action == ACTION_FINER ? 1.0 / TAU_STEP : TAU_STEP, TAU_MIN, TAU_MAX);
         snprintf(message, size, "tolerated error %.2f px", settings->tau_px);
-        return true;
-    case ACTION_METHOD:
-        settings->method = (LodMethod)((settings->method + 1) % LOD_METHOD_COUNT);
-        snprintf(message, size, "method: %s", lod_method_name(settings->method));
         return true;
     case ACTION_WIREFRAME:
         settings->wireframe = !settings->wireframe;
@@ -112,5 +149,5 @@ static bool apply_detail(FlightSettings *settings, Action action, char *message,
 bool flight_settings_apply(FlightSettings *settings, Action action, char *message, size_t size) {
     message[0] = '\0';
     return apply_view(settings, action, message, size) || apply_time(settings, action, message, size) ||
-           apply_detail(settings, action, message, size);
+           apply_detail(settings, action, message, size) || apply_method(settings, action, message, size);
 }

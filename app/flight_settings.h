@@ -10,7 +10,10 @@
 #include "terrain/lod/lod.h"
 
 typedef struct FlightSettings {
-    LodMethod method;
+    LodMethod method; // that is wanted; one that cannot be made does not come
+    bool compare;     // with `right` on the right half
+    LodMethod right;
+    bool bound_corner; // the tolerance holds at the picture's corners
     double tau_px, fov_rad;
     CameraView view;
     RenderColouring colouring;

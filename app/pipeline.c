@@ -2,6 +2,7 @@
 #include "app/pipeline.h"
 
 #include "app/picture.h"
+#include "app/pipeline_packet.h"
 #include "app/signals.h"
 #include "base/arena.h"
 #include "base/clock.h"
@@ -13,26 +14,11 @@
 
 #define PACKETS 3
 #define ARENA_BLOCK ((size_t)1 << 20)
-#define RECENT_FRAMES 240 // for the percentile on the screen
-
-typedef enum PacketState { PACKET_FREE, PACKET_REFINING, PACKET_READY, PACKET_DRAWING } PacketState;
-
-// A frame on its way. Only the stage that holds it, by its state, touches the rest.
-typedef struct Packet {
-    PacketState state;
-    uint64_t number; // order of submission
-    Arena *arena;
-    FrameOrder order;
-    RenderPacket render;
-} Packet;
 
 struct Pipeline {
     PipelineOptions options;
-    Lod *lod; // refining thread
-    LodMethod method;
+    Methods *methods;   // refining thread
     Renderer *renderer; // drawing thread
-    int64_t last_end_ns;
-    uint32_t lods; // created so far
 
     pthread_mutex_t lock;
     pthread_cond_t changed;
@@ -43,43 +29,18 @@ struct Pipeline {
     Packet packets[PACKETS];
     FrameOrder waiting;
     bool has_waiting, leaving, drawer_ready;
-    uint64_t submitted, drawn; // numbers
-    uint64_t released;         // LodCut.frame that is drawn
+    uint64_t submitted; // number of the last order
     Result failure;
-    PipelineStats stats;
-    FrameTimes frame_times, refine_times, upload_times, draw_times;
+    PipelineCounts counts;
 };
 
-static Result change_method(Pipeline *p, LodMethod method) {
-    LodOptions options = p->options.lod;
-    options.method = method;
-    options.serial = ++p->lods;
-    Lod *lod = NULL;
-    Result result = lod_create(&options, p->options.terrain, &lod);
-    if (result != RESULT_OK)
-        return result;
-    lod_destroy(&p->lod);
-    p->lod = lod;
-    p->method = method;
-    return RESULT_OK;
-}
-
-static void fill_packet(Packet *packet) {
-    const FrameOrder *order = &packet->order;
-    LodCut cut = packet->render.cut;
-    packet->render = order->look;
-    packet->render.cut = cut;
-    packet->render.hud.message = order->message[0] ? order->message : NULL;
-}
-
-// The cut for the packet's order. A reached budget is a valid cut, and the panel says so.
-static Result refine(Pipeline *p, Packet *packet) {
-    arena_reset(packet->arena);
-    Result result = lod_update(p->lod, &packet->order.view, p->options.jobs, packet->arena, &packet->render.cut);
-    if (result != RESULT_OK && result != RESULT_BUDGET)
-        return result;
-    fill_packet(packet);
-    return RESULT_OK;
+static Result begin_methods(Pipeline *p) {
+    const PipelineOptions *options = &p->options;
+    const MethodsOptions methods = {options->threaded, options->lod, options->terrain};
+    Result result = methods_create(&methods, &p->methods);
+    if (result == RESULT_OK)
+        result = methods_begin(p->methods, 0, options->lod.method);
+    return result == RESULT_OK && options->compare ? methods_begin(p->methods, 1, options->right) : result;
 }
 
 static Result create_renderer(Pipeline *p) {
@@ -105,27 +66,10 @@ static Result draw(Pipeline *p, Packet *packet, RenderStats *stats, Result *pict
 }
 
 // Under the lock.
-static void count_frame(Pipeline *p, const Packet *packet, const RenderStats *render) {
-    const LodCut *cut = &packet->render.cut;
-    int64_t now_ns = clock_now_ns();
-    if (p->last_end_ns != 0) {
-        p->stats.frame_ms = (double)(now_ns - p->last_end_ns) * 1e-6;
-        frame_times_add(&p->frame_times, p->stats.frame_ms);
-    }
-    p->last_end_ns = now_ns;
-    frame_times_add(&p->refine_times, (double)(cut->stats.select_ns + cut->stats.refine_ns) * 1e-6);
-    frame_times_add(&p->upload_times, render->upload_ms);
-    frame_times_add(&p->draw_times, render->draw_ms);
-    p->stats.frames++;
-    p->stats.method = packet->order.method;
-    p->stats.lod = cut->stats;
-    p->stats.reached_px = cut->reached_px;
-    p->stats.render = *render;
-    p->stats.triangles_sum += cut->stats.triangles;
-    if (p->stats.frames % 16 == 1)
-        p->stats.frame_p99_ms = frame_times_summary(&p->frame_times, RECENT_FRAMES).p99;
-    p->released = cut->frame;
-    p->drawn = packet->number;
+static void count_frame(Pipeline *p, Packet *packet, const RenderStats *render) {
+    LodMethod methods[METHODS_HALVES];
+    packet_mark_drawn(packet, methods);
+    pipeline_counts_add(&p->counts, &packet->render, methods, render, clock_now_ns());
 }
 
 static Packet *find_packet(Pipeline *p, PacketState state) {
@@ -147,7 +91,7 @@ static void fail(Pipeline *p, Result result) {
     pthread_cond_broadcast(&p->changed);
 }
 
-// Under the lock: nothing refined awaits drawing, so cuts of the present Lod are no longer read.
+// Under the lock: nothing refined awaits drawing.
 static bool is_idle(const Pipeline *p) {
     for (int i = 0; i < PACKETS; i++)
         if (p->packets[i].state != PACKET_FREE)
@@ -159,8 +103,6 @@ static bool is_idle(const Pipeline *p) {
 static bool can_refine(Pipeline *p) {
     if (!p->has_waiting || p->failure != RESULT_OK)
         return false;
-    if (p->waiting.method != p->method)
-        return is_idle(p);
     return find_packet(p, PACKET_FREE) && !find_packet(p, PACKET_READY);
 }
 
@@ -170,20 +112,12 @@ static Result refine_next(Pipeline *p) {
     packet->order = p->waiting;
     packet->number = p->submitted;
     p->has_waiting = false;
-    uint64_t released = p->released;
     set_state(p, packet, PACKET_REFINING);
     pthread_mutex_unlock(&p->lock);
-    Result result = RESULT_OK;
-    bool changed = packet->order.method != p->method;
-    if (changed)
-        result = change_method(p, packet->order.method);
-    else
-        lod_release(p->lod, released);
-    if (result == RESULT_OK)
-        result = refine(p, packet);
+    methods_sweep(p->methods);
+    Result result = packet_refine(packet, p->methods, p->options.jobs);
     pthread_mutex_lock(&p->lock);
-    if (changed)
-        p->released = 0; // the new Lod counts its frames anew
+    p->counts.stats.changes = methods_changes(p->methods);
     set_state(p, packet, result == RESULT_OK ? PACKET_READY : PACKET_FREE);
     return result;
 }
@@ -196,9 +130,10 @@ static Result draw_next(Pipeline *p, Packet *packet) {
     Result picture_failure = RESULT_OK;
     Result result = draw(p, packet, &stats, &picture_failure);
     pthread_mutex_lock(&p->lock);
-    if (p->stats.picture_failure == RESULT_OK)
-        p->stats.picture_failure = picture_failure;
+    if (p->counts.stats.picture_failure == RESULT_OK)
+        p->counts.stats.picture_failure = picture_failure;
     count_frame(p, packet, &stats);
+    packet_leave(packet);
     set_state(p, packet, PACKET_FREE);
     return result;
 }
@@ -290,7 +225,7 @@ Result pipeline_create(const PipelineOptions *options, Pipeline **out) {
     pthread_cond_init(&p->changed, NULL);
     Result result = create_packets(p);
     if (result == RESULT_OK)
-        result = change_method(p, options->lod.method);
+        result = begin_methods(p);
     if (result == RESULT_OK)
         result = options->threaded ? start_threads(p) : begin_drawing(p);
     if (result == RESULT_OK)
@@ -318,7 +253,7 @@ void pipeline_destroy(Pipeline **pipeline) {
     stop_threads(p);
     if (!p->options.threaded)
         end_drawing(p);
-    lod_destroy(&p->lod);
+    methods_destroy(&p->methods);
     for (int i = 0; i < PACKETS; i++)
         if (p->packets[i].arena)
             arena_destroy(&p->packets[i].arena);
@@ -369,16 +304,14 @@ Result pipeline_drain(Pipeline *p) {
 
 PipelineStats pipeline_stats(Pipeline *p) {
     pthread_mutex_lock(&p->lock);
-    PipelineStats stats = p->stats;
+    PipelineStats stats = p->counts.stats;
     pthread_mutex_unlock(&p->lock);
     return stats;
 }
 
 PipelineTimes pipeline_times(Pipeline *p) {
     pthread_mutex_lock(&p->lock);
-    PipelineTimes times = {
-        frame_times_summary(&p->frame_times, FRAME_TIMES_KEPT), frame_times_summary(&p->refine_times, FRAME_TIMES_KEPT),
-        frame_times_summary(&p->upload_times, FRAME_TIMES_KEPT), frame_times_summary(&p->draw_times, FRAME_TIMES_KEPT)};
+    PipelineTimes times = pipeline_counts_times(&p->counts);
     pthread_mutex_unlock(&p->lock);
     return times;
 }

@@ -1,6 +1,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "app/scene_load.h"
 
+#include "app/camera.h"
 #include "app/signals.h"
 #include "app/viewpoint.h"
 #include "base/log.h"
@@ -266,13 +267,14 @@ Vec3d world_viewpoint_ecef(const World *world, const Viewpoint *view) {
     return geodesy_to_ecef((Geodetic){view->lat_deg * GEODESY_RAD_PER_DEG, view->lon_deg * GEODESY_RAD_PER_DEG, h_m});
 }
 
+bool scene_bound_corner(const Options *options) {
+    return options_choice(options, OPTION_BOUND) == BOUND_CORNER;
+}
+
 double scene_px_per_rad(const Options *options) {
-    double fov_rad = options_number(options, OPTION_FOV) * GEODESY_RAD_PER_DEG;
     const double *size = options_numbers(options, OPTION_SIZE);
-    double centre = size[1] / (2.0 * tan(fov_rad / 2.0));
-    if (options_choice(options, OPTION_BOUND) != BOUND_CORNER)
-        return centre;
-    return centre * (1.0 + (size[0] * size[0] + size[1] * size[1]) / (4.0 * centre * centre)); // 1 / cos^2
+    return camera_px_per_rad(options_number(options, OPTION_FOV) * GEODESY_RAD_PER_DEG, size[0], size[1],
+                             scene_bound_corner(options));
 }
 
 LodView world_lod_view(const World *world, const Options *options, const Viewpoint *view) {

@@ -51,6 +51,8 @@ Vec3d world_viewpoint_ecef(const World *world, const Viewpoint *viewpoint);
 // Metres above the ellipsoid of an altitude above the geoid.
 double world_ellipsoid_m(const World *world, double lat_deg, double lon_deg, double alt_m);
 
+// --bound corner: tau is to hold at the picture's corners.
+bool scene_bound_corner(const Options *options);
 // Pixels a radian for --size and --fov at the image's centre, or, with --bound corner, at its corners.
 double scene_px_per_rad(const Options *options);
 // What to refine for: the eye, --tau, --size, --fov.

@@ -49,6 +49,8 @@
     X(FINER, "t", "smaller tolerated error")                                                                           \
     X(COARSER, "T", "larger tolerated error")                                                                          \
     X(METHOD, "m", "next level-of-detail method")                                                                      \
+    X(METHOD_RIGHT, "M", "next method of the right half")                                                              \
+    X(COMPARE, "c", "two methods side by side, on and off")                                                            \
     X(WIREFRAME, "w", "triangle edges on and off")                                                                     \
     X(COLOURING, "l", "next colouring: land, level, cache, partition")                                                 \
     X(HELP, "F1", "help on and off")                                                                                   \

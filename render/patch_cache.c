@@ -240,6 +240,7 @@ Result patch_cache_place(PatchCache *cache, const LodItem *items, int32_t count,
     if (!place_all(cache, items, count, places)) {
         // Enough memory, in pieces too small: begin again with one piece.
         forget_everything(cache);
+        cache->last_placed = 0;
         if (!place_all(cache, items, count, places)) {
             log_error("out of memory for the tables of the patch cache");
             return RESULT_MEMORY;
@@ -256,6 +257,10 @@ void patch_cache_keep_last(PatchCache *cache) {
         index = cache->table.entries[index].older;
     }
     cache->last_placed = cache->frame;
+}
+
+uint64_t patch_cache_last_placed(const PatchCache *cache) {
+    return cache->last_placed;
 }
 
 // --- lifetime and frames

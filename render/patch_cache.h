@@ -36,6 +36,9 @@ void patch_cache_begin_frame(PatchCache *cache);
 MUST_USE Result patch_cache_place(PatchCache *cache, const LodItem *items, int32_t count, PatchPlace *places);
 // After BUDGET: keeps what was placed last for one more frame.
 void patch_cache_keep_last(PatchCache *cache);
+// A number for what was placed last, another one after each placing: who placed something can tell whether it still is
+// the last. 0: nothing that can be kept.
+uint64_t patch_cache_last_placed(const PatchCache *cache);
 void patch_cache_end_frame(PatchCache *cache);
 PatchCacheStats patch_cache_stats(const PatchCache *cache);
 

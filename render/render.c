@@ -20,8 +20,8 @@ struct Renderer {
     Target multi;  // the same with several samples a pixel, if asked for
     int samples;
     Scene *scene;
-    Hud *hud; // NULL: none could be made
-    Timing timing;
+    Hud *hud;             // NULL: none could be made
+    Timing timings[2];    // of the whole picture or its left half, and of the right half
     RenderStats previous; // of the frame before, for the display
     bool has_previous;
 };
@@ -48,7 +48,8 @@ Result render_create(const RenderOptions *options, const Terrain *terrain, Rende
     renderer->options = *options;
     renderer->software = gl_is_software();
     renderer->samples = options->samples ? options->samples : renderer->software ? 1 : SAMPLES_HARDWARE;
-    renderer->timing = timing_create(renderer->software);
+    for (size_t i = 0; i < COUNT_OF(renderer->timings); i++)
+        renderer->timings[i] = timing_create(renderer->software);
     Result result = scene_create(options, terrain, renderer->software, &renderer->scene);
     if (result != RESULT_OK) {
         render_destroy(&renderer);
@@ -67,7 +68,8 @@ void render_destroy(Renderer **renderer) {
     scene_destroy(&self->scene);
     target_destroy(&self->target);
     target_destroy(&self->multi);
-    timing_destroy(&self->timing);
+    for (size_t i = 0; i < COUNT_OF(self->timings); i++)
+        timing_destroy(&self->timings[i]);
     free(self);
     *renderer = NULL;
 }
@@ -92,12 +94,31 @@ static Result fit_targets(Renderer *renderer) {
     return result;
 }
 
-static void draw(Renderer *renderer, const RenderPacket *packet, unsigned screen) {
+static bool draws_several_samples(const Renderer *renderer, const RenderPacket *packet) {
+    return renderer->samples > 1 && !packet->magenta_background;
+}
+
+// Brings the cut to the GPU and draws it into its part of the picture; the time since the begin of the timing is told
+// by end_view.
+static Result draw_view(Renderer *renderer, const RenderPacket *packet, const SceneView *view, RenderCutStats *stats) {
+    int64_t begin_ns = clock_now_ns();
+    Result result = scene_prepare(renderer->scene, packet, view);
+    stats->upload_ms = (double)(clock_now_ns() - begin_ns) * 1e-6;
+    timing_begin(&renderer->timings[view->index]);
+    bool several = draws_several_samples(renderer, packet);
+    scene_draw(renderer->scene, packet, view, several ? renderer->multi.framebuffer : renderer->target.framebuffer);
+    scene_count(renderer->scene, view, stats);
+    return result;
+}
+
+static void end_view(Renderer *renderer, int index, RenderCutStats *stats) {
+    stats->draw_ms = timing_end(&renderer->timings[index], renderer->options.measure_times);
+}
+
+// What lies over the land, and the picture to the screen.
+static void finish(Renderer *renderer, const RenderPacket *packet, unsigned screen) {
     const Target *target = &renderer->target;
-    bool multi = renderer->samples > 1 && !packet->magenta_background;
-    unsigned framebuffer = multi ? renderer->multi.framebuffer : target->framebuffer;
-    scene_draw(renderer->scene, packet, framebuffer, target->width, target->height);
-    if (multi)
+    if (draws_several_samples(renderer, packet))
         target_blit_colour(&renderer->multi, target->framebuffer);
     glBindFramebuffer(GL_FRAMEBUFFER, target->framebuffer);
     if (renderer->hud)
@@ -106,21 +127,54 @@ static void draw(Renderer *renderer, const RenderPacket *packet, unsigned screen
     target_blit_colour(target, screen);
 }
 
+static Result draw_whole(Renderer *renderer, const RenderPacket *packet, unsigned screen, RenderCutStats *stats) {
+    const SceneView view = {&packet->cut, 0, 0, renderer->target.width, renderer->target.height};
+    Result result = draw_view(renderer, packet, &view, stats);
+    finish(renderer, packet, screen);
+    end_view(renderer, 0, stats);
+    return result;
+}
+
+static Result draw_halves(Renderer *renderer, const RenderPacket *packet, unsigned screen, RenderCutStats *left,
+                          RenderCutStats *right) {
+    int width = renderer->target.width, height = renderer->target.height, middle = render_left_width(width);
+    const SceneView left_view = {&packet->cut, 0, 0, middle, height},
+                    right_view = {&packet->right, 1, middle, width - middle, height};
+    Result left_result = draw_view(renderer, packet, &left_view, left);
+    end_view(renderer, 0, left);
+    Result right_result = draw_view(renderer, packet, &right_view, right);
+    end_view(renderer, 1, right);
+    finish(renderer, packet, screen);
+    return left_result != RESULT_OK ? left_result : right_result;
+}
+
+static RenderStats stats_of(const Renderer *renderer, const RenderCutStats *cut) {
+    return (RenderStats){.draws = cut->draws,
+                         .triangles_drawn = cut->triangles_drawn,
+                         .patches_drawn = cut->patches_drawn,
+                         .upload_bytes = cut->upload_bytes,
+                         .evictions = cut->evictions,
+                         .upload_ms = cut->upload_ms,
+                         .draw_ms = cut->draw_ms,
+                         .vram_bytes = scene_vram_bytes(renderer->scene),
+                         .software = renderer->software};
+}
+
 Result render_frame(Renderer *renderer, const RenderPacket *packet, RenderStats *stats) {
     GLint screen = 0;
+    RenderCutStats cut = {0}, right = {0};
     glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &screen);
     *stats = (RenderStats){.software = renderer->software};
     Result result = fit_targets(renderer);
     if (result != RESULT_OK)
         return result;
-    int64_t begin_ns = clock_now_ns();
-    result = scene_prepare(renderer->scene, packet, renderer->target.width, renderer->target.height);
-    stats->upload_ms = (double)(clock_now_ns() - begin_ns) * 1e-6;
-    timing_begin(&renderer->timing);
-    draw(renderer, packet, (unsigned)screen);
-    stats->draw_ms = timing_end(&renderer->timing, renderer->options.measure_times);
+    if (packet->split && renderer->target.width > 1)
+        result = draw_halves(renderer, packet, (unsigned)screen, &cut, &right);
+    else
+        result = draw_whole(renderer, packet, (unsigned)screen, &cut);
+    *stats = stats_of(renderer, &cut);
+    stats->right = right;
     glBindFramebuffer(GL_FRAMEBUFFER, (GLuint)screen);
-    scene_count(renderer->scene, stats);
     renderer->previous = *stats;
     renderer->has_previous = true;
     return result;

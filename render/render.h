@@ -34,17 +34,23 @@ typedef struct RenderHud {
     Vec3d velocity_ecef;                                                        // m/s, for the flight path marker
     bool over_terrain;                                                          // above_ground_m is valid
     bool crashed, paused;
+    bool show_names;               // where the picture is split and show_numbers is not set: the methods and their cuts
     const char *datum;             // of altitude_m: "EGM96"; static
     const char *method;            // lod_method_name of what made the cut; static, or NULL
+    const char *right_method;      // of what made `right`, where the picture is split
     double frame_ms, frame_p99_ms; // of the last seconds, whole frames
     const RenderHelpRow *help;     // the page of keys, help_count rows; static
     int help_count;
     const char *message; // one line for a few seconds, or NULL; lives as long as the packet
 } RenderHud;
 
-// Immutable once handed over. `cut` and what it points to live until lod_release of its frame.
+// Immutable once handed over. Cuts and what they point to live until lod_release of their frames. Cuts in one renderer
+// are of Lods with different LodOptions.serial.
 typedef struct RenderPacket {
     LodCut cut;
+    bool split; // `cut` on the left half of the picture, `right` on the right one, each as the camera sees it through a
+                // viewport of half the width: the same vertical field of view, and the same scale
+    LodCut right;
     RenderCamera camera;
     Vec3d sun_ecef; // unit vector towards the sun
     RenderColouring colouring;
@@ -54,12 +60,22 @@ typedef struct RenderPacket {
     RenderHud hud;
 } RenderPacket;
 
-typedef struct RenderStats {
+// Of one cut.
+typedef struct RenderCutStats {
     int64_t draws, triangles_drawn, patches_drawn; // after view culling
     int64_t upload_bytes, evictions;
-    int64_t vram_bytes;        // in use in the patch cache
     double upload_ms, draw_ms; // draw_ms by glFinish and the clock on a software renderer, else timer queries
+} RenderCutStats;
+
+typedef struct RenderStats {
+    int64_t draws, triangles_drawn,
+        patches_drawn; // after view culling; of a split picture the left half's, as all below
+    int64_t upload_bytes, evictions;
+    int64_t vram_bytes;        // in use in the patch cache
+    double upload_ms, draw_ms; // draw_ms by glFinish and the clock on a software renderer, else timer queries. Of a
+                               // whole picture with the head-up display, of half a picture without
     bool software;
+    RenderCutStats right; // zeros where the picture is not split
 } RenderStats;
 
 typedef struct RenderOptions {
@@ -84,6 +100,11 @@ void render_resize(Renderer *renderer, int width, int height);
 // fit into vram_bytes_max, only what is in view is kept there, or else the last cut that fitted is drawn, with a
 // warning. DEVICE: no framebuffer of the new size; MEMORY: the terrain is not drawn.
 MUST_USE Result render_frame(Renderer *renderer, const RenderPacket *packet, RenderStats *stats);
+
+// The columns of the left half of a split picture.
+static inline int render_left_width(int width) {
+    return width / 2;
+}
 
 // The finished picture, top row first, RGB, width * height * 3 bytes.
 MUST_USE Result render_read_pixels(Renderer *renderer, uint8_t *rgb);

@@ -20,7 +20,7 @@ enum { UNIT_LIGHT_SUN = 12, UNIT_LIGHT_SKY = 13 }; // shaders/globe.frag
 
 struct Scene {
     PatchCache *cache;
-    TerrainPass *terrain_pass;
+    TerrainPass *terrain_passes[2]; // by SceneView.index: each remembers what it drew last
     Atmosphere *atmosphere;
     Ground *ground;
     Drape *drape; // NULL: no image
@@ -41,10 +41,11 @@ static Result create_programs(Scene *scene) {
     return result == RESULT_OK ? shader_create_program(&shore, &scene->shore_program) : result;
 }
 
-static Result create_terrain_pass(Scene *scene) {
+static Result create_terrain_passes(Scene *scene) {
     double noise_repeats[2];
     ground_noise_repeats(scene->ground, noise_repeats);
-    return terrain_pass_create(noise_repeats, &scene->terrain_pass);
+    Result result = terrain_pass_create(noise_repeats, &scene->terrain_passes[0]);
+    return result == RESULT_OK ? terrain_pass_create(noise_repeats, &scene->terrain_passes[1]) : result;
 }
 
 static Result create_parts(Scene *scene, const RenderOptions *options, const Terrain *terrain, bool software) {
@@ -54,7 +55,7 @@ static Result create_parts(Scene *scene, const RenderOptions *options, const Ter
     if (result == RESULT_OK && options->image_path)
         result = drape_create(options, terrain, software, &scene->drape);
     if (result == RESULT_OK)
-        result = create_terrain_pass(scene);
+        result = create_terrain_passes(scene);
     if (result == RESULT_OK)
         result = atmosphere_create(&scene->atmosphere);
     if (result != RESULT_OK)
@@ -88,7 +89,8 @@ void scene_destroy(Scene **scene) {
     if (!self)
         return;
     patch_cache_destroy(&self->cache);
-    terrain_pass_destroy(&self->terrain_pass);
+    for (size_t i = 0; i < COUNT_OF(self->terrain_passes); i++)
+        terrain_pass_destroy(&self->terrain_passes[i]);
     sky_pass_destroy(&self->sky_pass);
     atmosphere_destroy(&self->atmosphere);
     ground_destroy(&self->ground);
@@ -119,8 +121,8 @@ static void set_light(Scene *scene, Vec3d sun_ecef) {
     }
 }
 
-Result scene_prepare(Scene *scene, const RenderPacket *packet, int width, int height) {
-    scene->frame = frame_make(&packet->camera, width, height);
+Result scene_prepare(Scene *scene, const RenderPacket *packet, const SceneView *view) {
+    scene->frame = frame_make(&packet->camera, view->width, view->height);
     frame_set_sun(&scene->frame, packet->sun_ecef);
     frame_set_globe(&scene->frame, ground_globe_m(scene->ground));
     frame_set_waves(&scene->frame, ground_middle_ecef(scene->ground));
@@ -129,12 +131,15 @@ Result scene_prepare(Scene *scene, const RenderPacket *packet, int width, int he
     scene->frame.block.mode[1] = packet->magenta_background;
     ground_follow_sun(scene->ground, packet->sun_ecef);
     patch_cache_begin_frame(scene->cache);
-    return terrain_pass_prepare(scene->terrain_pass, scene->cache, &scene->frame, scene->ground, &packet->cut);
+    return terrain_pass_prepare(scene->terrain_passes[view->index], scene->cache, &scene->frame, scene->ground,
+                                view->cut);
 }
 
-static void set_state(unsigned framebuffer, int width, int height) {
+static void set_state(unsigned framebuffer, const SceneView *view) {
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-    glViewport(0, 0, width, height);
+    glViewport(view->x, 0, view->width, view->height);
+    glScissor(view->x, 0, view->width, view->height); // lines are wider than what the viewport clips, and clearing
+    glEnable(GL_SCISSOR_TEST);                        // knows no viewport
     glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
@@ -144,7 +149,6 @@ static void set_state(unsigned framebuffer, int width, int height) {
     glCullFace(GL_BACK);
     glFrontFace(GL_CCW);
     glDisable(GL_BLEND);
-    glDisable(GL_SCISSOR_TEST);
     glDisable(GL_STENCIL_TEST);
     glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
     glClearColor(1.0f, 0.0f, 1.0f, 1.0f); // seen where nothing is drawn, which the pinhole test counts
@@ -172,7 +176,7 @@ static bool have_wire_program(Scene *scene) {
 }
 
 // Lines a little nearer than the triangles they bound.
-static void draw_wire(Scene *scene) {
+static void draw_wire(Scene *scene, TerrainPass *pass) {
     if (!have_wire_program(scene))
         return;
     glDepthFunc(GL_GEQUAL);
@@ -183,32 +187,41 @@ static void draw_wire(Scene *scene) {
     glPolygonOffset(0.5f, 8.0f);
     glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
     glUseProgram(scene->wire_program);
-    terrain_pass_draw(scene->terrain_pass, scene->cache, TERRAIN_ALL);
+    terrain_pass_draw(pass, scene->cache, TERRAIN_ALL);
     glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
     glDisable(GL_POLYGON_OFFSET_LINE);
     glDisable(GL_BLEND);
     glDepthMask(GL_TRUE);
 }
 
-void scene_draw(Scene *scene, const RenderPacket *packet, unsigned framebuffer, int width, int height) {
-    atmosphere_update(scene->atmosphere, scene->frame.eye_h_m, scene->frame.mu_sun);
-    set_state(framebuffer, width, height);
-    bind_inputs(scene);
+static void draw_land(Scene *scene, TerrainPass *pass) {
     glUseProgram(scene->land_program);
-    terrain_pass_draw(scene->terrain_pass, scene->cache, TERRAIN_DRY);
+    terrain_pass_draw(pass, scene->cache, TERRAIN_DRY);
     glUseProgram(scene->shore_program);
-    terrain_pass_draw(scene->terrain_pass, scene->cache, TERRAIN_WET);
+    terrain_pass_draw(pass, scene->cache, TERRAIN_WET);
+}
+
+void scene_draw(Scene *scene, const RenderPacket *packet, const SceneView *view, unsigned framebuffer) {
+    TerrainPass *pass = scene->terrain_passes[view->index];
+    atmosphere_update(scene->atmosphere, scene->frame.eye_h_m, scene->frame.mu_sun);
+    set_state(framebuffer, view);
+    bind_inputs(scene);
+    draw_land(scene, pass);
     if (!packet->magenta_background)
         sky_pass_draw(scene->sky_pass, &scene->frame);
     if (packet->wireframe)
-        draw_wire(scene);
+        draw_wire(scene, pass);
+    glDisable(GL_SCISSOR_TEST);
     patch_cache_end_frame(scene->cache);
 }
 
-void scene_count(const Scene *scene, RenderStats *stats) {
+void scene_count(const Scene *scene, const SceneView *view, RenderCutStats *stats) {
     PatchCacheStats cache = patch_cache_stats(scene->cache);
-    terrain_pass_count(scene->terrain_pass, stats);
+    terrain_pass_count(scene->terrain_passes[view->index], stats);
     stats->upload_bytes = cache.upload_bytes;
     stats->evictions = cache.evictions;
-    stats->vram_bytes = cache.used_bytes;
+}
+
+int64_t scene_vram_bytes(const Scene *scene) {
+    return patch_cache_stats(scene->cache).used_bytes;
 }

@@ -7,11 +7,23 @@
 
 typedef struct Scene Scene;
 
+// A cut and where in the picture it is drawn: all of it, or one of two halves.
+typedef struct SceneView {
+    const LodCut *cut;
+    int index;            // 0; of the right half 1
+    int x, width, height; // pixels from the left edge, and as high as the picture
+} SceneView;
+
 MUST_USE Result scene_create(const RenderOptions *options, const Terrain *terrain, bool software, Scene **out);
 void scene_destroy(Scene **scene);
 
-// Uploads what the packet brings. MEMORY: the patches were not uploaded; the rest can still be drawn.
-MUST_USE Result scene_prepare(Scene *scene, const RenderPacket *packet, int width, int height);
-// Draws what was prepared. Sets all the state it needs; leaves it set.
-void scene_draw(Scene *scene, const RenderPacket *packet, unsigned framebuffer, int width, int height);
-void scene_count(const Scene *scene, RenderStats *stats);
+// Each view is prepared, drawn and counted before the next one is prepared; together they need not fit into the patch
+// cache.
+// Uploads what the view brings. MEMORY: the patches were not uploaded; the rest can still be drawn.
+MUST_USE Result scene_prepare(Scene *scene, const RenderPacket *packet, const SceneView *view);
+// Draws what was prepared into its part of the framebuffer, and nothing outside. Sets all the state it needs; leaves it
+// set, but the scissor test, which is off then.
+void scene_draw(Scene *scene, const RenderPacket *packet, const SceneView *view, unsigned framebuffer);
+// Counts what scene_draw drew last; the times stay as they are.
+void scene_count(const Scene *scene, const SceneView *view, RenderCutStats *stats);
+int64_t scene_vram_bytes(const Scene *scene);

@@ -57,6 +57,7 @@ struct TerrainPass {
     int32_t capacity, placed_count, visible_count, dry_count; // the dry ones come first
     int64_t triangles;
     double noise_repeats[2]; // per column and row
+    uint64_t placed_last;    // patch_cache_last_placed of `placed`
     bool over_budget;        // and it has been said
 };
 
@@ -181,6 +182,7 @@ static Result place_items(TerrainPass *pass, PatchCache *cache, const Ground *gr
     pass->placed_count = result == RESULT_OK ? count : 0;
     for (int32_t i = 0; i < pass->placed_count; i++)
         pass->placed[i] = placed_from(&items[i], &pass->places[i], ground);
+    pass->placed_last = patch_cache_last_placed(cache);
     return result;
 }
 
@@ -199,9 +201,10 @@ static Result place_cut(TerrainPass *pass, PatchCache *cache, const Frame *frame
         warn_over_budget(pass, cache, cut, "only what is in view");
         return result;
     }
-    if (pass->placed_count) {
+    if (pass->placed_count && pass->placed_last == patch_cache_last_placed(cache)) { // nobody else placed since
         warn_over_budget(pass, cache, cut, "the last cut that fitted");
         patch_cache_keep_last(cache);
+        pass->placed_last = patch_cache_last_placed(cache);
         return RESULT_OK;
     }
     warn_over_budget(pass, cache, cut, "a part of it");
@@ -324,7 +327,7 @@ void terrain_pass_draw(TerrainPass *pass, const PatchCache *cache, TerrainPart p
     glBindVertexArray(0);
 }
 
-void terrain_pass_count(const TerrainPass *pass, RenderStats *stats) {
+void terrain_pass_count(const TerrainPass *pass, RenderCutStats *stats) {
     stats->draws = (pass->dry_count > 0) + (pass->visible_count > pass->dry_count);
     stats->patches_drawn = pass->visible_count;
     stats->triangles_drawn = pass->triangles;

@@ -14,7 +14,8 @@ void terrain_pass_destroy(TerrainPass **pass);
 
 // Brings the packet's patches into the cache and lists those that can be seen, nearest first. When the cut does not
 // fit into the cache, only what is in view is brought there; when even that does not fit, the last cut that did is
-// listed again. A warning says so once. MEMORY: nothing is listed.
+// listed again, unless another pass used the cache since; then what fits of it. A warning says so once. MEMORY: nothing
+// is listed.
 MUST_USE Result terrain_pass_prepare(TerrainPass *pass, PatchCache *cache, const Frame *frame, const Ground *ground,
                                      const LodCut *cut);
 
@@ -25,4 +26,4 @@ typedef enum TerrainPart {
 } TerrainPart;
 // Draws a part of the list with the program that is bound.
 void terrain_pass_draw(TerrainPass *pass, const PatchCache *cache, TerrainPart part);
-void terrain_pass_count(const TerrainPass *pass, RenderStats *stats);
+void terrain_pass_count(const TerrainPass *pass, RenderCutStats *stats);
