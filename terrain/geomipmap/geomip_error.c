@@ -17,6 +17,7 @@
 #define GROW 1.0001                      // covers the rounding of a term to float
 // Between two levels the morph needs room, or it would be a jump; Ye, Wang's errors are assumed to differ.
 #define RATIO_MIN 1.25f
+#define STRIP_RATIO_MIN 1.05f
 
 float geomip_error_highest(const float *height_m, size_t count) {
     float most = 0.0f;
@@ -211,12 +212,13 @@ static void fill_strip(GeomipTiles *tiles, const GeomipInput *input, const Terms
     Side seen = side_of(tiles->terrain->dem, &tiles->squares.squares[tile], side);
     int n = tiles->levels, last = tiles->tiles[tile].log_side;
     float *row = strip_of(tiles, tile, side) + level * n;
+    float grow = input->border == GEOMIP_FANNED ? STRIP_RATIO_MIN : 1.0f;
     row[level] = geomip_delta(tiles, tile, level);
     for (int border = level + 1; border <= last; border++) {
         double off = input->border == GEOMIP_FANNED ? fanned_deviation(&seen, 1 << level, 1 << border)
                                                     : omitted_deviation(&seen, 1 << level, 1 << border);
-        float bound = fmaxf(rounded_up(bound_of(terms, off, level, border)), row[border - 1]);
-        row[border] = level ? fmaxf(bound, row[border - n]) : bound;
+        float bound = fmaxf(rounded_up(bound_of(terms, off, level, border)), grow * row[border - 1]);
+        row[border] = level ? fmaxf(bound, grow * row[border - n]) : bound;
     }
 }
 

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define GRAIN 64 // tiles at a time
 
@@ -77,47 +78,66 @@ static void want(void *user, int64_t begin, int64_t end, int worker) {
 
 // ---- what neighbours ask for ----
 
-// The error of a tile at `own` whose side's border is drawn at a level of 0 .. levels - 1 that is coarser.
-static double side_error(const Choosing *c, int32_t tile, int side, int own, int border) {
-    int level = own / GEOMIP_LEVEL;
-    double f = (double)(own % GEOMIP_LEVEL) / GEOMIP_LEVEL;
+static double strip_at(const Choosing *c, int32_t tile, int side, int level, double f, int border) {
     double fine = (double)geomip_strip(c->tiles, tile, side, level, border);
     return f > 0.0 ? fine + f * ((double)geomip_strip(c->tiles, tile, side, level + 1, border) - fine) : fine;
 }
 
-// At a border of `own`'s own level, at most what is allowed; from there on errors grow linearly from level to level: a
-// morphed border lies between two levels' borders.
-static int border_limit(const Choosing *c, int32_t tile, int side, int most) {
-    int own = c->levels->wanted[tile];
-    double allowed = c->levels->allowed_m[tile];
-    int fine_at = own;
-    double fine = side_error(c, tile, side, own - own % GEOMIP_LEVEL, own / GEOMIP_LEVEL);
-    if (own % GEOMIP_LEVEL) {
-        double next = (double)geomip_delta(c->tiles, tile, own / GEOMIP_LEVEL + 1);
-        fine += (next - fine) * (own % GEOMIP_LEVEL) / GEOMIP_LEVEL;
+// The bound of a tile at `own` whose side's border is drawn at `border` >= own. Each position is a linear function of
+// either, so the error of a mesh between two levels is at most the mean of theirs.
+static double side_bound(const Choosing *c, int32_t tile, int side, int own, int border) {
+    int n = own / GEOMIP_LEVEL, m = border / GEOMIP_LEVEL;
+    double f = (double)(own % GEOMIP_LEVEL) / GEOMIP_LEVEL, g = (double)(border % GEOMIP_LEVEL) / GEOMIP_LEVEL;
+    if (n == m) { // both morph to the same level; the border is ahead
+        double fine = (double)geomip_strip(c->tiles, tile, side, n, n);
+        fine += g > f ? (g - f) * ((double)geomip_strip(c->tiles, tile, side, n, n + 1) - fine) : 0.0;
+        return f > 0.0 ? fine + f * ((double)geomip_delta(c->tiles, tile, n + 1) - geomip_delta(c->tiles, tile, n))
+                       : fine;
     }
-    while (fine_at < most) {
-        int at = (fine_at / GEOMIP_LEVEL + 1) * GEOMIP_LEVEL;
-        double coarse = side_error(c, tile, side, own, at / GEOMIP_LEVEL);
-        if (coarse > allowed) {
-            bool room = c->rule.ye && allowed > fine;
-            int share = room ? morphed((allowed - fine) / (coarse - fine) * (at - fine_at) / GEOMIP_LEVEL) : 0;
-            int limit = fine_at + (share < at - fine_at ? share : at - fine_at - 1);
+    double fine = strip_at(c, tile, side, n, f, m);
+    return g > 0.0 ? fine + g * (strip_at(c, tile, side, n, f, m + 1) - fine) : fine;
+}
+
+// Between two levels whose bounds are within and above what is allowed: the coarsest that is within. Bounds are linear
+// in between; de Boer's levels are whole.
+static int last_within(const Choosing *c, double allowed, int low, double low_m, int high, double high_m) {
+    if (!c->rule.ye || !(allowed > low_m))
+        return low;
+    int steps = (int)floor((allowed - low_m) / (high_m - low_m) * (high - low));
+    return low + (steps < high - low ? steps : high - low - 1);
+}
+
+// The coarsest level, up to `most`, that a tile stands its side's border at. What Ye's tile may morph away is given to
+// its neighbours first, up to a whole level.
+static int border_limit(const Choosing *c, int32_t tile, int side, int most) {
+    double allowed = c->levels->allowed_m[tile];
+    int own = c->levels->wanted[tile] - (c->rule.ye ? GEOMIP_LEVEL : 0);
+    own = own > 0 ? own : 0;
+    int low = own;
+    double low_m = side_bound(c, tile, side, own, own);
+    while (low < most) {
+        int high = (low / GEOMIP_LEVEL + 1) * GEOMIP_LEVEL;
+        double high_m = side_bound(c, tile, side, own, high);
+        if (high_m > allowed) {
+            int limit = last_within(c, allowed, low, low_m, high, high_m);
             return limit < most ? limit : most;
         }
-        fine_at = at;
-        fine = coarse;
+        low = high;
+        low_m = high_m;
     }
     return most;
 }
 
-static int limited_level(const Choosing *c, int32_t i) {
+static int level_within_limits(const Choosing *c, int32_t i) {
     const GeomipTiles *tiles = c->tiles;
     int level = c->levels->wanted[i];
     for (int32_t k = tiles->tiles[i].first_link; k < tiles->tiles[i + 1].first_link; k++) {
         const GeomipLink *link = &tiles->links[k];
-        if (link->tile != GEOMIP_OUTSIDE && c->levels->wanted[link->tile] < level)
-            level = border_limit(c, link->tile, (link->side + 2) % GEOMIP_SIDES, level);
+        if (link->tile == GEOMIP_OUTSIDE || c->levels->wanted[link->tile] >= level)
+            continue;
+        int limit = border_limit(c, link->tile, (link->side + 2) % GEOMIP_SIDES, level);
+        int least = c->levels->wanted[link->tile]; // at its own level's border a tile is within anyway
+        level = limit > least ? limit : least;
     }
     return level;
 }
@@ -126,7 +146,39 @@ static void limit(void *user, int64_t begin, int64_t end, int worker) {
     Choosing *c = user;
     (void)worker;
     for (int64_t i = begin; i < end; i++)
-        c->levels->drawn[i] = c->rule.bounds ? (int16_t)limited_level(c, (int32_t)i) : c->levels->wanted[i];
+        c->levels->limited[i] = c->rule.bounds ? (int16_t)level_within_limits(c, (int32_t)i) : c->levels->wanted[i];
+}
+
+// Gives back what the borders of coarser neighbours need of a tile's morph.
+static int level_beside(const Choosing *c, int32_t tile, int side, int border) {
+    double allowed = c->levels->allowed_m[tile];
+    int high = c->levels->limited[tile];
+    double high_m = high < border ? side_bound(c, tile, side, high, border) : 0.0;
+    while (high > 0 && high < border && high_m > allowed) {
+        int low = (high - 1) / GEOMIP_LEVEL * GEOMIP_LEVEL;
+        double low_m = side_bound(c, tile, side, low, border);
+        if (low_m <= allowed)
+            return last_within(c, allowed, low, low_m, high, high_m);
+        high = low;
+        high_m = low_m;
+    }
+    return high;
+}
+
+static void settle(void *user, int64_t begin, int64_t end, int worker) {
+    Choosing *c = user;
+    const GeomipTiles *tiles = c->tiles;
+    (void)worker;
+    for (int64_t i = begin; i < end; i++) {
+        int level = c->levels->limited[i];
+        for (int32_t k = tiles->tiles[i].first_link; k < tiles->tiles[i + 1].first_link; k++) {
+            const GeomipLink *link = &tiles->links[k];
+            int beyond = geomip_level_beyond(c->levels->limited, link, level);
+            int beside = level_beside(c, (int32_t)i, link->side, beyond);
+            level = beside < level ? beside : level;
+        }
+        c->levels->drawn[i] = (int16_t)level;
+    }
 }
 
 static void count(void *user, int64_t begin, int64_t end, int worker) {
@@ -152,6 +204,10 @@ void geomip_levels_choose(const GeomipTiles *tiles, GeomipRule rule, Vec3d eye_e
                          .levels = levels};
     jobs_run(jobs, tiles->squares.count, GRAIN, want, &choosing);
     jobs_run(jobs, tiles->squares.count, GRAIN, limit, &choosing);
+    if (rule.bounds)
+        jobs_run(jobs, tiles->squares.count, GRAIN, settle, &choosing);
+    else
+        memcpy(levels->drawn, levels->limited, sizeof *levels->drawn * (size_t)tiles->squares.count);
     jobs_run(jobs, tiles->squares.count, GRAIN, count, &choosing);
     levels->triangles = choosing.triangles;
     levels->coarsest = choosing.steps == 0;
@@ -159,9 +215,11 @@ void geomip_levels_choose(const GeomipTiles *tiles, GeomipRule rule, Vec3d eye_e
 
 Result geomip_levels_create(int32_t tiles, GeomipLevels *out) {
     size_t n = (size_t)tiles;
-    *out = (GeomipLevels){calloc(n, sizeof *out->drawn), calloc(n, sizeof *out->wanted),
-                          calloc(n, sizeof *out->allowed_m), 0, false};
-    if (out->drawn && out->wanted && out->allowed_m)
+    *out = (GeomipLevels){.drawn = calloc(n, sizeof *out->drawn),
+                          .wanted = calloc(n, sizeof *out->wanted),
+                          .limited = calloc(n, sizeof *out->limited),
+                          .allowed_m = calloc(n, sizeof *out->allowed_m)};
+    if (out->drawn && out->wanted && out->limited && out->allowed_m)
         return RESULT_OK;
     log_error("geomipmap: not enough memory for the levels of %d tiles", tiles);
     geomip_levels_destroy(out);
@@ -171,6 +229,7 @@ Result geomip_levels_create(int32_t tiles, GeomipLevels *out) {
 void geomip_levels_destroy(GeomipLevels *levels) {
     free(levels->drawn);
     free(levels->wanted);
+    free(levels->limited);
     free(levels->allowed_m);
     *levels = (GeomipLevels){0};
 }

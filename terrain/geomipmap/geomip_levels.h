@@ -16,6 +16,7 @@ typedef struct GeomipRule {
 typedef struct GeomipLevels {
     int16_t *drawn;    // [tile]
     int16_t *wanted;   // [tile] before what neighbours ask for
+    int16_t *limited;  // [tile] with the borders that its neighbours stand
     double *allowed_m; // [tile] the error that a tile may have
     int64_t triangles; // of the whole cut
     bool coarsest;     // every tile is at its cap
