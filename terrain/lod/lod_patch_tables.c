@@ -31,6 +31,29 @@ size_t seam_plane_entry(const PatchSeam *seam, int plane, int32_t col, int32_t r
     return (size_t)(row >> k) * (size_t)p->width + (size_t)(col >> k);
 }
 
+// Tiles around a sample -----------------------------------------------------------------------------------------
+
+static int32_t side_at(const PatchSeam *seam, int32_t col, int32_t row) {
+    int32_t square = square_grid_at(&seam->squares, col, row);
+    return square < 0 ? 0 : seam->tile_sides[square];
+}
+
+// The largest tile around a sample, and whether one of them is remainder.
+typedef struct Around {
+    int32_t side;
+    bool remainder;
+} Around;
+
+static Around around(const PatchSeam *seam, int32_t col, int32_t row) {
+    Around found = {0, false};
+    for (int c = 0; c < 4; c++) {
+        int32_t side = side_at(seam, col - (c & 1), row - (c >> 1));
+        found.side = side > found.side ? side : found.side;
+        found.remainder = found.remainder || (side > 0 && side < seam->static_side);
+    }
+    return found;
+}
+
 // Spheres ------------------------------------------------------------------------------------------------------
 
 typedef struct Spheres { // of one plane
@@ -58,6 +81,9 @@ static void include(const Spheres *s, const PatchVertex *own, SeamSphere *sphere
     const PatchPlane *p = &s->seam->terrain->patches.planes[plane];
     if (i < 0 || j < 0 || i >= p->width || j >= p->height)
         return;
+    int32_t side = around(s->seam, i * p->step, j * p->step).side;
+    if (side < s->seam->static_side || side <= p->step) // no static patch splits there
+        return;
     size_t at = (size_t)j * (size_t)p->width + (size_t)i;
     SeamSphere child = s->seam->spheres[plane][at];
     float reach = nextafterf((float)vec3d_distance(own->position, p->vertices[at].position) + child.radius, INFINITY);
@@ -65,9 +91,27 @@ static void include(const Spheres *s, const PatchVertex *own, SeamSphere *sphere
     sphere->radius = fmaxf(sphere->radius, reach * 1.000001f);
 }
 
+// Where patches split at a vertex: not towards smaller tiles.
+static PatchReach reach_of(const PatchSeam *seam, int32_t col, int32_t row, int32_t step) {
+    bool along_row = col / step & 1, along_col = row / step & 1;
+    PatchReach within = PATCH_REACH_ALL;
+    if (along_row && !along_col) {
+        within.north = side_at(seam, col, row - 1) >= seam->static_side && side_at(seam, col, row - 1) > step;
+        within.south = side_at(seam, col, row) >= seam->static_side && side_at(seam, col, row) > step;
+    }
+    if (along_col && !along_row) {
+        within.west = side_at(seam, col - 1, row) >= seam->static_side && side_at(seam, col - 1, row) > step;
+        within.east = side_at(seam, col, row) >= seam->static_side && side_at(seam, col, row) > step;
+    }
+    return within;
+}
+
 // Of a vertex that is forced to be active: what its patches lack, and what the patches below lack.
 static SeamSphere sphere_of_forced(const Spheres *s, const PatchVertex *own, int i, int j) {
-    ErrorCodes missing = patch_forest_missing(&s->seam->terrain->errors, s->seam->side, s->plane, i, j);
+    const PatchSeam *seam = s->seam;
+    int32_t step = seam->terrain->patches.planes[s->plane].step;
+    PatchReach within = reach_of(seam, i * step, j * step, step);
+    ErrorCodes missing = patch_forest_missing(&seam->terrain->errors, seam->side, s->plane, i, j, within);
     double radius = s->reach_m + (double)error_field_decode(missing.radius);
     SeamSphere sphere = {error_field_decode(missing.delta), nextafterf((float)radius, INFINITY)};
     for (int c = 0; c < 4; c++) {
@@ -104,32 +148,11 @@ static void fill_spheres(const PatchSeam *seam) {
 
 // Tiles and their borders --------------------------------------------------------------------------------------
 
-static int32_t side_at(const PatchSeam *seam, int32_t col, int32_t row) {
-    int32_t square = square_grid_at(&seam->squares, col, row);
-    return square < 0 ? 0 : seam->tile_sides[square];
-}
-
 static void note_tile(PatchSeam *seam, const ForestTile *tile) {
     int32_t part = tile->side < seam->squares.side_max ? tile->side : seam->squares.side_max;
     for (int32_t row = tile->row; row < tile->row + tile->side; row += part)
         for (int32_t col = tile->col; col < tile->col + tile->side; col += part)
             seam->tile_sides[square_grid_at(&seam->squares, col, row)] = tile->side;
-}
-
-// The largest tile around a sample, and whether one of them is remainder.
-typedef struct Around {
-    int32_t side;
-    bool remainder;
-} Around;
-
-static Around around(const PatchSeam *seam, int32_t col, int32_t row) {
-    Around found = {0, false};
-    for (int c = 0; c < 4; c++) {
-        int32_t side = side_at(seam, col - (c & 1), row - (c >> 1));
-        found.side = side > found.side ? side : found.side;
-        found.remainder = found.remainder || (side > 0 && side < seam->static_side);
-    }
-    return found;
 }
 
 static bool note_border(PatchSeam *seam, const ForestTile *tile, int32_t col, int32_t row) {

@@ -63,17 +63,18 @@ static int clamp(int value, int least, int most) {
     return value < least ? least : value > most ? most : value;
 }
 
-ErrorCodes patch_forest_missing(const ErrorField *errors, int side, int k, int i, int j) {
+ErrorCodes patch_forest_missing(const ErrorField *errors, int side, int k, int i, int j, PatchReach within) {
     const ErrorPlane *fine = &errors->planes[k];
     bool centre = i & j & 1;
     int ci = i * side, cj = j * side;
     ErrorCodes most = {0, 0};
-    for (int dj = -side; dj <= side; dj++) {
+    for (int dj = -side * within.north; dj <= side * within.south; dj++) {
         int fj = cj + dj;
         if (fj < 0 || fj >= fine->height || (centre && !(fj & 1)))
             continue;
         int reach = centre ? side : side - abs(dj);
-        int first = clamp(ci - reach, 0, fine->width - 1), last = clamp(ci + reach, 0, fine->width - 1);
+        int first = clamp(ci - reach * within.west, 0, fine->width - 1);
+        int last = clamp(ci + reach * within.east, 0, fine->width - 1);
         first +=
             centre || !(fj & 1) ? !(first & 1) : first & 1; // columns of the same kind are odd, or even on odd rows
         size_t row = (size_t)fj * fine->stride;
@@ -112,7 +113,8 @@ static void fill_vertex(const Fill *fill, int i, int j) {
     int col = i * plane->step, row = j * plane->step;
     ErrorCodes codes = error_field_at(fill->input->errors, col, row);
     float h = fill->input->height_m[(size_t)row * (size_t)fill->input->forest->width + (size_t)col];
-    ErrorCodes missing = patch_forest_missing(fill->input->errors, fill->forest->side, fill->plane, i, j);
+    ErrorCodes missing =
+        patch_forest_missing(fill->input->errors, fill->forest->side, fill->plane, i, j, PATCH_REACH_ALL);
     float own = error_field_decode(missing.delta), child = largest_child(fill, i, j);
     vertex->position = grid_point_ecef(grid_lattice(fill->input->grid, col, row, h));
     vertex->delta = codes.delta == ERROR_FIELD_ALWAYS ? error_field_decode(codes.delta) : own > child ? own : child;

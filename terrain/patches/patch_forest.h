@@ -62,9 +62,15 @@ typedef struct PatchForestInput {
 MUST_USE Result patch_forest_create(const PatchForestInput *input, Jobs *jobs, PatchForest *out);
 void patch_forest_destroy(PatchForest *forest);
 
+// Which part of a diamond: from its middle so far, in units of its step, 0 or 1.
+typedef struct PatchReach {
+    int west, east, north, south;
+} PatchReach;
+#define PATCH_REACH_ALL ((PatchReach){1, 1, 1, 1})
+
 // The largest codes among the vertices of the same kind, `side` times finer, inside the diamond at entry (i, j) of
 // patch plane k. They are the first that the pages of the diamond's two patches lack.
-ErrorCodes patch_forest_missing(const ErrorField *errors, int side, int k, int i, int j);
+ErrorCodes patch_forest_missing(const ErrorField *errors, int side, int k, int i, int j, PatchReach within);
 
 // The triangle of root 0 or 1 of a tile.
 PatchTriangle patch_forest_root(const ForestTile *tile, int root);
