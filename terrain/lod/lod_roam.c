@@ -2,47 +2,90 @@
 // frame as in Biedermann, Rivara, section 3; or kept from frame to frame, with splits and merges where the view asks
 // for them.
 #include "terrain/lod/lod_method.h"
+#include "terrain/roam/roam_budget.h"
 #include "terrain/roam/roam_ground.h"
-#include "terrain/roam/roam_refine.h"
+#include "terrain/roam/roam_track.h"
 
 #include "base/clock.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 typedef struct Roam {
     RoamGround ground;
     RoamMesh mesh;
-    int32_t *roots; // [squares]
+    int32_t *roots;   // [squares]
+    uint8_t *changed; // [squares] since they were drawn
+    RoamTrack track;
+    RoamBudget budget;
     RoamScratch scratch;
+    bool holds;   // the mesh is that of the last frame
+    bool is_full; // the budget was reached in the last frame
 } Roam;
 
-static RoamStop build_anew(Roam *roam, RoamRefiner *refiner) {
-    if (roam_base_copy(&roam->ground.base, &roam->mesh, roam->roots) != RESULT_OK)
-        return ROAM_FAILED;
+// ---- the mesh ----
+
+static RoamStop refine_squares(Roam *roam, RoamRefiner *refiner) {
     RoamStop stop = ROAM_DONE;
     for (int32_t i = 0; i < roam->ground.grid.count && stop == ROAM_DONE; i++)
         stop = roam_refine_square(refiner, roam->roots[i]);
     return stop;
 }
 
+static RoamStop begin_anew(Roam *roam) {
+    memset(roam->changed, 1, (size_t)roam->ground.grid.count);
+    roam->track.holds = false;
+    return roam_base_copy(&roam->ground.base, &roam->mesh, roam->roots) == RESULT_OK ? ROAM_DONE : ROAM_FAILED;
+}
+
+// Where the budget was reached in the frame before, it is likely to be again: priorities are compared from the start.
+static RoamStop refine(Roam *roam, RoamRefiner *refiner, double tau_px, double *reached_px) {
+    bool is_kept = roam->ground.options.reuse && roam->holds;
+    RoamStop stop = is_kept ? ROAM_DONE : begin_anew(roam);
+    if (stop == ROAM_DONE && roam->is_full)
+        stop = ROAM_FULL;
+    else if (stop == ROAM_DONE && !is_kept)
+        stop = refine_squares(roam, refiner);
+    if (stop == ROAM_DONE && roam->ground.options.reuse)
+        stop = roam_track_update(&roam->track, refiner);
+    if (stop != ROAM_FULL)
+        return stop;
+    roam->track.holds = false;
+    return roam_budget_balance(&roam->budget, refiner, tau_px, reached_px);
+}
+
+// ---- the cut ----
+
+static void draw_changed(Roam *roam) {
+    for (int32_t i = 0; i < roam->ground.grid.count; i++)
+        if (roam->changed[i] || !roam->ground.options.reuse)
+            roam_ground_draw(&roam->ground, &roam->mesh, roam->roots[i], i, 0, &roam->scratch);
+    memset(roam->changed, 0, (size_t)roam->ground.grid.count);
+}
+
+static void count_work(Roam *roam, const RoamRefiner *refiner, LodStats *stats) {
+    stats->vertices_evaluated = refiner->evaluated;
+    stats->splits = roam->mesh.splits;
+    stats->forced_splits = roam->mesh.forced_splits;
+    stats->merges = roam->mesh.merges;
+    stats->partitions = 1;
+}
+
 static Result roam_update(void *state, const LodCall *call, LodCut *cut) {
     Roam *roam = state;
-    RoamGround *ground = &roam->ground;
+    double tau = call->view->tau_px;
     int64_t begin = clock_now_ns();
-    RoamRefiner refiner = {
-        .mesh = &roam->mesh, .field = &ground->field, .view = refine_view(call->view, call->view->tau_px)};
-    RoamStop stop = build_anew(roam, &refiner);
-    if (stop == ROAM_FAILED)
+    RoamRefiner refiner = {.mesh = &roam->mesh, .field = &roam->ground.field, .view = refine_view(call->view, tau)};
+    roam->mesh.splits = roam->mesh.forced_splits = roam->mesh.merges = 0;
+    roam->holds = refine(roam, &refiner, tau, &cut->reached_px) == ROAM_DONE;
+    if (!roam->holds)
         return RESULT_MEMORY;
-    for (int32_t i = 0; i < ground->grid.count; i++)
-        roam_ground_draw(ground, &roam->mesh, roam->roots[i], i, 0, &roam->scratch);
-    Result result = roam_ground_finish(ground, call, cut);
+    roam->is_full = cut->reached_px > tau;
+    draw_changed(roam);
+    Result result = roam_ground_finish(&roam->ground, call, cut);
     cut->stats.refine_ns = clock_now_ns() - begin;
-    cut->stats.vertices_evaluated = refiner.evaluated;
-    cut->stats.splits = roam->mesh.splits;
-    cut->stats.forced_splits = roam->mesh.forced_splits;
-    cut->stats.partitions = 1;
-    return result;
+    count_work(roam, &refiner, &cut->stats);
+    return result == RESULT_OK && roam->is_full ? RESULT_BUDGET : result;
 }
 
 static void roam_release(void *state, uint64_t frame) {
@@ -53,7 +96,10 @@ static void roam_release(void *state, uint64_t frame) {
 static void roam_destroy(void *state) {
     Roam *roam = state;
     roam_scratch_destroy(&roam->scratch);
+    roam_track_destroy(&roam->track);
+    roam_budget_destroy(&roam->budget);
     free(roam->roots);
+    free(roam->changed);
     roam_mesh_destroy(&roam->mesh);
     roam_ground_destroy(&roam->ground);
     free(roam);
@@ -68,7 +114,9 @@ static Result roam_create(const LodOptions *options, const Terrain *terrain, voi
         result = roam_scratch_create(roam->ground.grid.side_max, &roam->scratch);
     if (result == RESULT_OK) {
         roam->roots = malloc(sizeof *roam->roots * (size_t)roam->ground.grid.count);
-        result = roam->roots ? RESULT_OK : RESULT_MEMORY;
+        roam->changed = malloc((size_t)roam->ground.grid.count);
+        roam->mesh.changed = options->reuse ? roam->changed : NULL;
+        result = roam->roots && roam->changed ? RESULT_OK : RESULT_MEMORY;
     }
     if (result != RESULT_OK) {
         roam_destroy(roam);

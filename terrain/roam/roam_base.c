@@ -13,7 +13,7 @@ typedef struct Building {
 
 static bool is_always_active(const Building *b, const RoamTriangle *t) {
     const ForestTile *square = &b->grid->squares[t->square];
-    if (t->level >= 2 * __builtin_ctz((unsigned)square->side))
+    if (t->level >= 2 * __builtin_ctz((unsigned)b->grid->side_max))
         return false;
     int col = square->col + (t->left_col + t->right_col) / 2, row = square->row + (t->left_row + t->right_row) / 2;
     return error_field_at(b->errors, col, row).delta == ERROR_FIELD_ALWAYS;
@@ -73,7 +73,8 @@ static RoamTriangle root_of(const SquareGrid *grid, int32_t square, int root) {
                           .right_col = (uint8_t)(t.right.col - tile->col),
                           .right_row = (uint8_t)(t.right.row - tile->row),
                           .apex_col = (uint8_t)(t.apex.col - tile->col),
-                          .apex_row = (uint8_t)(t.apex.row - tile->row)};
+                          .apex_row = (uint8_t)(t.apex.row - tile->row),
+                          .level = (uint8_t)(2 * __builtin_ctz((unsigned)(grid->side_max / tile->side)))};
 }
 
 static bool build_square(const Building *b, int32_t square, RoamBase *base) {

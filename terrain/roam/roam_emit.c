@@ -79,12 +79,12 @@ static void count_vertices(uint8_t *drawn, const uint16_t *indices, int across, 
     out->sides[3] = count_inside(drawn, 0, across, across);
 }
 
-RoamEmitted roam_emit(const RoamMesh *mesh, int32_t root, int side, RoamScratch *scratch) {
+RoamEmitted roam_emit(const RoamMesh *mesh, int32_t root, const SquareGrid *grid, RoamScratch *scratch) {
     RoamEmitted out = {0};
     int32_t leaves = collect_leaves(mesh, root, scratch->corners, &out.level);
     out.index_count = 3 * leaves;
-    out.stride = out.level ? roam_level_step(side, out.level - 1) : side;
-    int across = side / out.stride + 1;
+    out.stride = out.level ? roam_level_step(grid->side_max, out.level - 1) : grid->side_max;
+    int across = grid->squares[mesh->triangles[root].square].side / out.stride + 1;
     write_indices(scratch->corners, leaves, __builtin_ctz((unsigned)out.stride), across, scratch->indices);
     count_vertices(scratch->drawn, scratch->indices, across, &out);
     return out;

@@ -23,4 +23,4 @@ typedef struct RoamEmitted {
 
 // Triangles in depth-first order, counter-clockwise seen from above, into scratch->indices: they index the rows of a
 // page of `stride`. The same mesh gives the same bytes, however it came about.
-RoamEmitted roam_emit(const RoamMesh *mesh, int32_t root, int side, RoamScratch *scratch);
+RoamEmitted roam_emit(const RoamMesh *mesh, int32_t root, const SquareGrid *grid, RoamScratch *scratch);

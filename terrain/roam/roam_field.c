@@ -12,8 +12,7 @@ Result roam_field_create(const SquareGrid *grid, const Terrain *terrain, RoamFie
         log_error("roam: not enough memory for %d squares", grid->count);
         return RESULT_MEMORY;
     }
-    for (int32_t i = 0; i < grid->count; i++)
-        out->patches[i].levels = (uint8_t)(2 * __builtin_ctz((unsigned)grid->squares[i].side));
+    out->levels = 2 * __builtin_ctz((unsigned)grid->side_max);
     return RESULT_OK;
 }
 
@@ -45,7 +44,7 @@ static void fill_row(const RoamField *field, const RoamPatch *patch, const Fores
 Result roam_field_deepen(RoamField *field, int32_t square, int level) {
     const ForestTile *tile = &field->grid->squares[square];
     RoamPatch *patch = &field->patches[square];
-    int step = roam_level_step(tile->side, level), across = tile->side / step + 1;
+    int step = roam_level_step(field->grid->side_max, level), across = tile->side / step + 1;
     RoamVertex *vertices = malloc(sizeof *vertices * (size_t)across * (size_t)across);
     if (!vertices) {
         log_error("roam: not enough memory for %d x %d vertices of a square", across, across);
@@ -68,7 +67,7 @@ Result roam_field_deepen(RoamField *field, int32_t square, int level) {
 void roam_field_drop(RoamField *field, int32_t square) {
     RoamPatch *patch = &field->patches[square];
     free(patch->vertices);
-    *patch = (RoamPatch){.levels = patch->levels};
+    *patch = (RoamPatch){0};
 }
 
 size_t roam_field_bytes(const RoamField *field) {

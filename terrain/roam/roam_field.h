@@ -22,27 +22,28 @@ typedef struct RoamPatch {
     int16_t across;    // vertices a row
     uint8_t shift;     // log2 of the stride
     uint8_t level_end; // the vertices that split triangles of levels below it are there
-    uint8_t levels;    // bisections down to single samples
 } RoamPatch;
 
 typedef struct RoamField {
     const SquareGrid *grid;
     const Terrain *terrain;
     RoamPatch *patches; // [grid->count]
+    int levels;         // bisections of the largest squares down to single samples
 } RoamField;
 
 MUST_USE Result roam_field_create(const SquareGrid *grid, const Terrain *terrain, RoamField *out);
 void roam_field_destroy(RoamField *field);
 
-// Makes the vertices that split triangles of `level` < patch.levels, and all above. MEMORY.
+// Makes the vertices that split the square's triangles of `level` < levels, and all above. MEMORY.
 MUST_USE Result roam_field_deepen(RoamField *field, int32_t square, int level);
 // Forgets a square's vertices; they are made again when asked for.
 void roam_field_drop(RoamField *field, int32_t square);
 size_t roam_field_bytes(const RoamField *field); // of all vertices
 
-// The step, in samples, of the vertices that split triangles of `level` of a square.
-static inline int roam_level_step(int side, int level) {
-    return side >> (level / 2 + 1);
+// The step, in samples, of the vertices that split triangles of `level`, which is counted from the roots of the largest
+// squares.
+static inline int roam_level_step(int side_max, int level) {
+    return side_max >> (level / 2 + 1);
 }
 
 // nu delta + radius - |position - eye|, lattice units: the vertex is active where that is above 0. The same

@@ -79,7 +79,7 @@ void roam_ground_draw(RoamGround *ground, const RoamMesh *mesh, int32_t root, in
                       RoamScratch *scratch) {
     RoamDrawn *d = &ground->drawn[square];
     index_list_give_back(&ground->lists, &d->fresh_list); // of a try at a smaller tolerance: nobody read it
-    d->fresh = roam_emit(mesh, root, ground->grid.squares[square].side, scratch);
+    d->fresh = roam_emit(mesh, root, &ground->grid, scratch);
     if (ground->options.reuse && is_as_before(d, &d->fresh, scratch->indices))
         return;
     d->failed = !index_list_take(&ground->lists, pool, d->fresh.index_count, &d->fresh_list);

@@ -42,6 +42,7 @@ int32_t roam_mesh_take_pair(RoamMesh *mesh) {
 }
 
 static void give_back_pair(RoamMesh *mesh, int32_t pair) {
+    mesh->triangles[pair].level = mesh->triangles[pair + 1].level = ROAM_LEVEL_GONE;
     mesh->triangles[pair].child = mesh->free_pair;
     mesh->free_pair = pair;
 }
@@ -91,18 +92,25 @@ static void make_halves(RoamTriangle *triangles, int32_t t, int32_t c, int32_t d
     relink(triangles, p->right, t, c + 1);
 }
 
+static void mark_changed(RoamMesh *mesh, const RoamTriangle *t) {
+    if (mesh->changed)
+        mesh->changed[t->square] = 1;
+}
+
+static void split_one(RoamMesh *mesh, int32_t t, int32_t c, int32_t d) {
+    make_halves(mesh->triangles, t, c, d);
+    mark_changed(mesh, &mesh->triangles[t]);
+    mesh->journal[mesh->journal_count++] = t;
+    mesh->leaf_count++;
+}
+
 static void split_pair(RoamMesh *mesh, int32_t t) {
     int32_t partner = mesh->triangles[t].base;
     int32_t c = roam_mesh_take_pair(mesh), d = partner < 0 ? ROAM_NONE : roam_mesh_take_pair(mesh);
-    make_halves(mesh->triangles, t, c, d);
-    mesh->journal[mesh->journal_count++] = t;
-    mesh->leaf_count++;
+    split_one(mesh, t, c, d);
     mesh->splits++;
-    if (partner < 0)
-        return;
-    make_halves(mesh->triangles, partner, d, c);
-    mesh->journal[mesh->journal_count++] = partner;
-    mesh->leaf_count++;
+    if (partner >= 0)
+        split_one(mesh, partner, d, c);
 }
 
 // From a leaf to the first whose hypotenuse is its neighbour's too, or an edge of the mesh.
@@ -151,7 +159,7 @@ bool roam_mesh_can_merge(const RoamMesh *mesh, int32_t triangle, int32_t *partne
     int32_t across = all[t->child].right;
     if (across < 0)
         return true;
-    if (all[across].level != t->level + 1)
+    if (all[across].level != t->level + 1 || all[across].parent < 0) // a root: two smaller squares lie across
         return false;
     *partner = all[across].parent;
     int32_t pair = all[*partner].child;
@@ -168,6 +176,7 @@ static void join_halves(RoamMesh *mesh, int32_t t, int32_t partner) {
     relink(all, p->left, c, t);
     relink(all, p->right, c + 1, t);
     give_back_pair(mesh, c);
+    mark_changed(mesh, p);
     mesh->leaf_count--;
 }
 

@@ -8,6 +8,7 @@
 #include "base/base.h"
 
 #define ROAM_NONE (-1)
+#define ROAM_LEVEL_GONE 0xFF
 #define ROAM_TRIANGLES_MAX (1 << 29) // leaves of a mesh: twice that fits an index
 #define ROAM_PATH_MAX 32 // triangles on a longest-edge propagation path: each a level coarser than the one before
 
@@ -19,7 +20,7 @@ typedef struct RoamTriangle {
     int32_t parent;            // ROAM_NONE: a root
     int32_t square;
     uint8_t left_col, left_row, right_col, right_row, apex_col, apex_row;
-    uint8_t level; // bisections from its root
+    uint8_t level; // bisections from the roots of the largest squares; ROAM_LEVEL_GONE: in no mesh any more
     uint8_t spare;
 } RoamTriangle;
 
@@ -29,6 +30,7 @@ typedef struct RoamMesh {
     int32_t triangles_max; // leaves that the pool may come to hold
     int32_t leaf_count;
     int32_t free_pair; // chain through `child` of pairs that merges gave back; 0: none
+    uint8_t *changed;  // [squares], borrowed: set to 1 where a triangle is split or merged; NULL: not asked for
     // Triangles split by the last roam_mesh_split: those forced first, the one asked for and its partner last.
     int32_t journal[2 * ROAM_PATH_MAX];
     int32_t journal_count;
@@ -54,4 +56,7 @@ void roam_mesh_merge(RoamMesh *mesh, int32_t triangle, int32_t partner);
 
 static inline bool roam_is_leaf(const RoamTriangle *t) {
     return t->child == 0;
+}
+static inline bool roam_is_gone(const RoamTriangle *t) { // merged, or never there
+    return t->level == ROAM_LEVEL_GONE;
 }

@@ -35,7 +35,7 @@ static inline const RoamVertex *roam_split_vertex(RoamRefiner *r, const RoamTria
 }
 
 static inline bool roam_is_finest(const RoamRefiner *r, const RoamTriangle *t) {
-    return t->level >= r->field->patches[t->square].levels;
+    return t->level >= r->field->levels;
 }
 
 // roam_vertex_gap of the vertex that splits a triangle; -infinity below the last level.
