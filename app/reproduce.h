@@ -31,6 +31,7 @@ typedef struct Reproduce {
 // Each fills run->report. What loading, refining or drawing fails with; logged.
 MUST_USE Result reproduce_loeffler(Reproduce *run);
 MUST_USE Result reproduce_biedermann(Reproduce *run);
+MUST_USE Result reproduce_yalcin(Reproduce *run);
 MUST_USE Result reproduce_ye(Reproduce *run);
 
 // Up to REPRODUCE_SIDES_MAX sides for `what` ("table 1"): those given, else the paper's, of which --quick takes the

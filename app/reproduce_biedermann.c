@@ -11,7 +11,7 @@
 #define HEIGHT 800
 #define FLIGHT_SECONDS 230.0
 #define FULL_HZ 2.0
-#define QUICK_POSITIONS 12
+#define QUICK_POSITIONS 8
 #define WORKERS 2
 #define FULL_PROBES 8
 #define QUICK_PROBES 3

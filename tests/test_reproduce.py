@@ -51,7 +51,7 @@ class Cli:
         """(folder, JSON) of the tiny experiment."""
         if paper not in self.results:
             folder = os.path.join(self.folder, paper)
-            os.mkdir(folder)
+            os.makedirs(folder, exist_ok=True)
             expect(f"{paper} -o: stdout", self.output(paper, *TINY, "-o", folder), "")
             with open(os.path.join(folder, f"{paper}.json"), encoding="utf-8") as file:
                 self.results[paper] = (folder, json.load(file))
@@ -225,7 +225,7 @@ def main():
             try:
                 test(cli)
                 print(f"[       OK ] {test.__name__}")
-            except (Fault, KeyError, ValueError, OSError, subprocess.TimeoutExpired) as fault:
+            except (Fault, KeyError, TypeError, ValueError, OSError, subprocess.TimeoutExpired) as fault:
                 print(f"[  FAILED  ] {test.__name__}: {fault!r}")
                 failed.append(test.__name__)
     print(f"{len(failed)} failed")
