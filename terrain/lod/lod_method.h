@@ -28,6 +28,7 @@ typedef struct LodOps {
 extern const LodOps LOD_HYBRID_OPS;
 extern const LodOps LOD_PATCH_OPS;
 extern const LodOps LOD_ROAM_OPS;
+extern const LodOps LOD_ROAM_PARALLEL_OPS;
 extern const LodOps LOD_GEOMIPMAP_OPS;
 extern const LodOps LOD_GEOMIPMAP_YE_OPS;
 extern const LodOps LOD_BRUTE_OPS;

@@ -39,7 +39,8 @@ static void equal_work_borders(int count, const double *turns, const double *wor
     qsort_r(order, (size_t)item_count, sizeof *order, by_turn, (void *)(uintptr_t)turns);
     int border = 1;
     for (int32_t i = 0; i < item_count && border < count; i++) {
-        while (border < count && sum >= total * border / count)
+        double half = 0.5 * work[order[i]]; // an item is on the side where its larger part would be
+        while (border < count && sum + half >= total * border / count)
             borders[border++] = turns[order[i]];
         sum += work[order[i]];
     }
