@@ -29,6 +29,7 @@ static Result draw_view(Racer *racer, Renderer *renderer, const RaceStage *stage
     ms += (double)(clock_now_ns() - begin) * 1e-6;
     if (result == RESULT_OK && counted) {
         racer->drawn_ms += ms;
+        racer->drawn_triangles += (double)stats.triangles_drawn;
         racer->drawn++;
     }
     return result;

@@ -114,6 +114,11 @@ double race_mean(const Race *race, int index, double sum) {
     return frames ? sum / frames : NAN;
 }
 
+double race_drawn_triangles(const Race *race, int index) {
+    const Racer *racer = &race->racers[index];
+    return racer->drawn ? racer->drawn_triangles / racer->drawn : NAN;
+}
+
 double race_drawn_fps(const Race *race, int index) {
     const Racer *racer = &race->racers[index];
     return racer->drawn ? 1e3 * racer->drawn / racer->drawn_ms : NAN;

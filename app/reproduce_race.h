@@ -25,7 +25,7 @@ typedef struct Racer {
     // Of race_measure: the greatest, the greatest, the mean of squares' sum.
     double max_px, p999_px, squares_px;
     int measures;
-    double drawn_ms; // sum, refinement and drawing
+    double drawn_ms, drawn_triangles; // sums: refinement and drawing; what was in view
     int drawn;
 } Racer;
 
@@ -66,6 +66,7 @@ typedef struct RaceTimes {
 // NaN where nothing was counted, in all of these.
 RaceTimes race_times(const Race *race, int racer);
 double race_mean(const Race *race, int racer, double sum); // `sum` over its frames
+double race_drawn_triangles(const Race *race, int racer);
 double race_drawn_fps(const Race *race, int racer);
 // The median over frames of the time of `slow` over that of `fast`.
 double race_ratio(const Race *race, int slow, int fast);

@@ -203,6 +203,17 @@ def a_wrong_paper_is_told_the_four(cli):
     cli.refused(2, ["--seconds"], "ye", "--seconds", "0")
 
 
+def bash_completes_the_papers(cli):
+    source = os.path.join(os.path.dirname(DEM), "..", "bash-completion", "overfly")
+    script = f"""source {source}; compopt() {{ :; }}
+        offered() {{ COMP_WORDS=({cli.program} "$1" "$2") COMP_CWORD=2 COMPREPLY=(); _overfly; echo "${{COMPREPLY[@]}}"; }}
+        offered reproduce ''; offered reproduce l; offered bench p"""
+    done = subprocess.run(["bash", "-c", script], capture_output=True, text=True, cwd=cli.folder, check=False,
+                          env=cli.environment)
+    expect(f"completions, having said {done.stderr!r}", done.stdout.split("\n")[:3],
+           ["loeffler biedermann yalcin ye", "loeffler", "preprocess"])
+
+
 def folders_are_checked_before_the_work(cli):
     cli.refused(1, ["nowhere", "not a folder"], "ye", *TINY, "-o", "nowhere")
     cli.refused(1, ["/proc", "no file can be made in it"], "ye", *TINY, "-o", "/proc")
@@ -211,7 +222,7 @@ def folders_are_checked_before_the_work(cli):
 TESTS = [the_json_keeps_its_contract, quick_says_what_it_left_out, csv_and_json_agree,
          the_text_is_markdown_of_the_same_numbers, stdout_has_the_tables_or_the_json, a_given_dem_is_flown_over,
          figures_stand_in_the_rows_they_belong_to, cheaper_methods_draw_no_more, a_wrong_paper_is_told_the_four,
-         folders_are_checked_before_the_work]
+         bash_completes_the_papers, folders_are_checked_before_the_work]
 
 
 def main():
