@@ -33,6 +33,7 @@ static void add_aircraft(Json *json, const FlightSession *session) {
 
 static void add_settings(Json *json, const FlightSettings *settings) {
     json_add_number(json, "tau_px", settings->tau_px);
+    json_add_bool(json, "compare_wanted", settings->compare);
     json_add_number(json, "fov_deg", degrees(settings->fov_rad));
     json_add_text(json, "view", camera_view_name(settings->view));
     json_add_text(json, "colouring", flight_colouring_name(settings->colouring));

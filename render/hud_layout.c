@@ -8,6 +8,7 @@
 #define PANEL_TEXT_LEAST_PX 10.5f
 #define PANEL_WIDTH_LEAST_PX 640 // of the window
 #define PANEL_HEIGHT_LEAST_PX 360
+#define LEGEND_ROWS_LEAST 4
 #define MARGIN 12.0f // units, as all sizes below
 
 static CanvasRect rect_round(CanvasRect rect) {
@@ -73,6 +74,18 @@ static void place_altitude(HudLayout *layout) {
     layout->altitude_notes = mirrored(layout, layout->speed_notes);
 }
 
+// Of a split picture, whose panels take both upper corners: under the left one, and under the speed where the window is
+// too narrow for both side by side.
+static void place_legend_low(HudLayout *layout) {
+    float u = layout->unit, least = layout->row_px * LEGEND_ROWS_LEAST + 16.0f * u;
+    CanvasRect room = {layout->panel.x0, layout->panel.y1 + 8.0f * u, layout->panel.x1, layout->note.y0 - 8.0f * u};
+    if (room.x1 + 8.0f * u > layout->speed_title.x0)
+        room.y0 = fmaxf(room.y0, layout->speed_notes.y1 + 8.0f * u);
+    room.y0 = fmaxf(room.y0, room.y1 - (layout->panel.y1 - layout->panel.y0));
+    bool fits = room.x1 > room.x0 && room.y1 - room.y0 >= least;
+    layout->legend_low = fits ? rect_round(room) : (CanvasRect){0};
+}
+
 static void place_help(HudLayout *layout) {
     float margin = 8.0f * layout->unit;
     layout->help = (CanvasRect){margin, margin, layout->width - margin, layout->height - margin};
@@ -93,6 +106,7 @@ HudLayout hud_layout_make(int width, int height, bool show_panels) {
     place_speed(&layout);
     place_altitude(&layout);
     layout.legend = layout.panel.x1 > layout.panel.x0 ? mirrored(&layout, layout.panel) : layout.panel;
+    place_legend_low(&layout);
     place_help(&layout);
     return layout;
 }

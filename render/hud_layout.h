@@ -22,7 +22,8 @@ typedef struct HudLayout {
     CanvasRect speed_title, altitude_title; // one line above
     CanvasRect speed_notes, altitude_notes; // two lines below
     CanvasRect panel;                       // room for HUD_PANEL_ROWS; empty when not asked for, or no room
-    CanvasRect legend;                      // as large, in the other corner
+    CanvasRect legend;                      // as large, in the other corner; of a split picture the right half's panel
+    CanvasRect legend_low;                  // where the legend of a split picture finds room; empty: nowhere
     CanvasRect note;                        // "paused"
     CanvasRect message;
     CanvasRect help; // the most that the page of keys may take

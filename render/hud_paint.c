@@ -32,24 +32,55 @@ void hud_paint_flight(const HudPainter *painter, const RenderPacket *packet) {
     hud_paint_scales(painter, &packet->hud);
 }
 
+// Broken where the instruments lie.
+void hud_paint_divider(const HudPainter *painter, const RenderPacket *packet) {
+    const HudLayout *layout = &painter->layout;
+    float x = (float)render_left_width((int)layout->width), width = 1.5f * layout->unit, y = 0.0f;
+    CanvasColour colour = hud_faded(HUD_INK, 0.8);
+    if (packet->hud.show_flight && !packet->hud.show_help) {
+        float ring = layout->radius + 20.0f * layout->unit;
+        canvas_line(painter->canvas, (CanvasPoint){x, layout->heading.y1}, (CanvasPoint){x, layout->centre.y - ring},
+                    width, colour);
+        y = layout->centre.y + ring;
+    }
+    canvas_line(painter->canvas, (CanvasPoint){x, y}, (CanvasPoint){x, layout->height}, width, colour);
+}
+
+static bool wants_names(const RenderPacket *packet) {
+    return packet->split && packet->hud.show_names && !packet->hud.show_numbers;
+}
+
+static bool wants_panels(const RenderPacket *packet) {
+    return packet->hud.show_numbers || wants_names(packet) || hud_wants_legend(packet);
+}
+
+static void paint_panels(const HudPainter *painter, const RenderPacket *packet, const RenderStats *previous) {
+    if (painter->layout.panel.x1 <= painter->layout.panel.x0)
+        return;
+    if (packet->hud.show_numbers)
+        hud_paint_numbers(painter, packet, previous);
+    if (wants_names(packet))
+        hud_paint_names(painter, packet);
+    if (hud_wants_legend(packet))
+        hud_paint_legend(painter, packet);
+}
+
 void hud_paint(Canvas *canvas, Text *text, const RenderPacket *packet, const RenderStats *previous, int width,
                int height) {
     const RenderHud *hud = &packet->hud;
     HudPainter painter = {.canvas = canvas,
                           .text = text,
-                          .layout = hud_layout_make(width, height, hud->show_numbers || hud_wants_legend(packet)),
+                          .layout = hud_layout_make(width, height, wants_panels(packet)),
                           .view = hud_view_make(&packet->camera, width, height)};
     canvas_begin(canvas, painter.layout.unit);
+    if (packet->split)
+        hud_paint_divider(&painter, packet);
     if (hud->show_help) {
         hud_paint_help(&painter, hud);
         return;
     }
     if (hud->show_flight)
         hud_paint_flight(&painter, packet);
-    bool room = painter.layout.panel.x1 > painter.layout.panel.x0;
-    if (hud->show_numbers && room)
-        hud_paint_numbers(&painter, packet, previous);
-    if (hud_wants_legend(packet) && room)
-        hud_paint_legend(&painter, packet);
+    paint_panels(&painter, packet, previous);
     hud_paint_message(&painter, hud);
 }

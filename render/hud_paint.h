@@ -22,7 +22,9 @@ void hud_paint_flight(const HudPainter *painter, const RenderPacket *packet);   
 void hud_paint_attitude(const HudPainter *painter, const RenderPacket *packet); // hud_attitude.c
 void hud_paint_scales(const HudPainter *painter, const RenderHud *hud);         // hud_scales.c
 void hud_paint_numbers(const HudPainter *painter, const RenderPacket *packet,
-                       const RenderStats *previous); // hud_panel.c
+                       const RenderStats *previous);                           // hud_panel.c
+void hud_paint_names(const HudPainter *painter, const RenderPacket *packet);   // the same without times
+void hud_paint_divider(const HudPainter *painter, const RenderPacket *packet); // between the halves of a split picture
 // Whether there are colours to explain.
 bool hud_wants_legend(const RenderPacket *packet);
 void hud_paint_legend(const HudPainter *painter, const RenderPacket *packet); // hud_legend.c

@@ -46,45 +46,136 @@ static double share_percent(int64_t part, int64_t whole) {
     return whole > 0 ? 100.0 * (double)part / (double)whole : 0.0;
 }
 
-static void add_tolerance(Rows *rows, const LodCut *cut, const char *method) {
-    add_row(rows, "method", method ? method : "---", "", HUD_ACCENT);
-    add_number(rows, "tolerance \xCF\x84", cut->view.tau_px, 2, "px");
-    if (cut->reached_px > cut->view.tau_px) {
-        char text[HUD_NUMBER_BYTES];
-        hud_format_fixed(text, cut->reached_px, 2);
-        add_row(rows, "reached", text, "px", HUD_WARN);
-    }
+// One cut with what drawing it cost.
+typedef struct Side {
+    const LodCut *cut;
+    const char *method;
+    double upload_ms, draw_ms;
+} Side;
+
+static Side left_side(const RenderPacket *packet, const RenderStats *drawn) {
+    return (Side){&packet->cut, packet->hud.method, drawn->upload_ms, drawn->draw_ms};
+}
+
+static Side right_side(const RenderPacket *packet, const RenderStats *drawn) {
+    return (Side){&packet->right, packet->hud.right_method, drawn->right.upload_ms, drawn->right.draw_ms};
+}
+
+static void add_promise(Rows *rows, const LodCut *cut) {
+    char text[HUD_NUMBER_BYTES];
+    bool raised = cut->reached_px > cut->view.tau_px;
+    hud_format_fixed(text, cut->reached_px, 2);
+    if (cut->promises)
+        add_row(rows, "error at most", text, "px", raised ? HUD_WARN : HUD_INK);
+    else
+        add_row(rows, "error at most", "no bound", "", HUD_WARN);
+}
+
+static void add_tolerance(Rows *rows, const Side *side) {
+    add_row(rows, "method", side->method ? side->method : "---", "", HUD_ACCENT);
+    add_number(rows, "tolerance \xCF\x84", side->cut->view.tau_px, 2, "px");
+    add_promise(rows, side->cut);
+}
+
+static void add_size(Rows *rows, const LodStats *stats) {
+    add_number(rows, "triangles", (double)stats->triangles, 0, "");
+    add_number(rows, "patches", (double)stats->patches, 0, "");
 }
 
 static void add_cut(Rows *rows, const LodStats *stats) {
-    add_number(rows, "triangles", (double)stats->triangles, 0, "");
-    add_number(rows, "patches", (double)stats->patches, 0, "");
+    add_size(rows, stats);
     add_number(rows, "reused", share_percent(stats->patches_reused, stats->patches), 1, "%");
     add_number(rows, "retriangulated", share_percent(stats->triangles_rebuilt, stats->triangles), 1, "%");
 }
 
-static void add_times(Rows *rows, const LodStats *cut, const RenderStats *drawn, const RenderHud *hud) {
-    add_number(rows, "refine", (double)(cut->select_ns + cut->refine_ns) * MS_PER_NS, 2, "ms");
-    add_number(rows, "upload", drawn->upload_ms, 2, "ms");
-    add_number(rows, drawn->software ? "draw (software)" : "draw", drawn->draw_ms, 2, "ms");
+static void add_partitions(Rows *rows, const LodStats *stats) {
+    if (stats->partitions > 0)
+        add_number(rows, "partitions", stats->partitions, 0, "");
+    if (stats->balance > 0.0)
+        add_number(rows, "longest / mean", stats->balance, 2, "");
+}
+
+static void add_times(Rows *rows, const Side *side, bool software) {
+    add_number(rows, "refine", (double)(side->cut->stats.select_ns + side->cut->stats.refine_ns) * MS_PER_NS, 2, "ms");
+    add_number(rows, "upload", side->upload_ms, 2, "ms");
+    add_number(rows, software ? "draw (software)" : "draw", side->draw_ms, 2, "ms");
+}
+
+static void add_frame(Rows *rows, const RenderHud *hud) {
     add_number(rows, "frame", hud->frame_ms, 1, "ms");
     add_number(rows, "frame p99", hud->frame_p99_ms, 1, "ms");
+}
+
+static void add_memory(Rows *rows, const RenderStats *drawn) {
+    add_bytes(rows, "VRAM", (double)drawn->vram_bytes);
+    add_bytes(rows, "uploaded", (double)(drawn->upload_bytes + drawn->right.upload_bytes));
+}
+
+static Rows begin_panel(const HudPainter *painter, CanvasRect box) {
+    return (Rows){painter, box, box.y0 + 8.0f * painter->layout.unit};
+}
+
+static void end_panel(Rows *rows) {
+    float unit = rows->painter->layout.unit;
+    rows->box.y1 = rows->y + 8.0f * unit;
+    canvas_box(rows->painter->canvas, rows->box, 5.0f * unit, HUD_PLATE);
+}
+
+// What one method tells; who calls adds what both share, and ends the panel.
+static Rows paint_side(const HudPainter *painter, CanvasRect box, const Side *side, bool software) {
+    Rows rows = begin_panel(painter, box);
+    add_tolerance(&rows, side);
+    add_gap(&rows);
+    add_cut(&rows, &side->cut->stats);
+    add_partitions(&rows, &side->cut->stats);
+    add_gap(&rows);
+    add_times(&rows, side, software);
+    add_gap(&rows);
+    return rows;
+}
+
+static void paint_both(const HudPainter *painter, const RenderPacket *packet, const RenderStats *drawn) {
+    Side left = left_side(packet, drawn), right = right_side(packet, drawn);
+    Rows rows = paint_side(painter, painter->layout.panel, &left, drawn->software);
+    add_frame(&rows, &packet->hud);
+    end_panel(&rows);
+    rows = paint_side(painter, painter->layout.legend, &right, drawn->software);
+    add_memory(&rows, drawn);
+    end_panel(&rows);
 }
 
 void hud_paint_numbers(const HudPainter *painter, const RenderPacket *packet, const RenderStats *previous) {
     static const RenderStats NOTHING_DRAWN = {0};
     const RenderStats *drawn = previous ? previous : &NOTHING_DRAWN;
-    Rows rows = {painter, painter->layout.panel, painter->layout.panel.y0 + 8.0f * painter->layout.unit};
-    add_tolerance(&rows, &packet->cut, packet->hud.method);
+    if (packet->split) {
+        paint_both(painter, packet, drawn);
+        return;
+    }
+    Side side = left_side(packet, drawn);
+    Rows rows = begin_panel(painter, painter->layout.panel);
+    add_tolerance(&rows, &side);
     add_gap(&rows);
     add_cut(&rows, &packet->cut.stats);
     add_gap(&rows);
-    add_times(&rows, &packet->cut.stats, drawn, &packet->hud);
+    add_times(&rows, &side, drawn->software);
+    add_frame(&rows, &packet->hud);
     add_gap(&rows);
-    add_bytes(&rows, "VRAM", (double)drawn->vram_bytes);
-    add_bytes(&rows, "uploaded", (double)drawn->upload_bytes);
-    rows.box.y1 = rows.y + 8.0f * painter->layout.unit;
-    canvas_box(painter->canvas, rows.box, 5.0f * painter->layout.unit, HUD_PLATE);
+    add_memory(&rows, drawn);
+    end_panel(&rows);
+}
+
+static void paint_name(const HudPainter *painter, CanvasRect box, const Side *side) {
+    Rows rows = begin_panel(painter, box);
+    add_tolerance(&rows, side);
+    add_size(&rows, &side->cut->stats);
+    end_panel(&rows);
+}
+
+void hud_paint_names(const HudPainter *painter, const RenderPacket *packet) {
+    static const RenderStats NOTHING_DRAWN = {0};
+    Side left = left_side(packet, &NOTHING_DRAWN), right = right_side(packet, &NOTHING_DRAWN);
+    paint_name(painter, painter->layout.panel, &left);
+    paint_name(painter, painter->layout.legend, &right);
 }
 
 // Copies what fits into `width_px`, with an ellipsis where something is left out.

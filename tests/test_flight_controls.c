@@ -82,10 +82,10 @@ static void presses_come_in_order_and_shift_matters(void **state) {
         bool shift;
         Action action;
     } presses[] = {
-        {'T', false, ACTION_FINER},   {'T', true, ACTION_COARSER},     {'V', true, ACTION_VIEW_PREVIOUS},
-        {'X', true, ACTION_ZOOM_OUT}, {'A', true, ACTION_TIME_SLOWER}, {'P', false, ACTION_PAUSE},
-        {'5', false, ACTION_CENTRE},  {'M', true, ACTION_METHOD},      {KEY_F3, false, ACTION_SCREENSHOT},
-        {KEY_F1, false, ACTION_HELP}, {'L', false, ACTION_COLOURING},  {KEY_ESCAPE, false, ACTION_LEAVE},
+        {'T', false, ACTION_FINER},   {'T', true, ACTION_COARSER},      {'V', true, ACTION_VIEW_PREVIOUS},
+        {'X', true, ACTION_ZOOM_OUT}, {'A', true, ACTION_TIME_SLOWER},  {'P', false, ACTION_PAUSE},
+        {'5', false, ACTION_CENTRE},  {'M', true, ACTION_METHOD_RIGHT}, {KEY_F3, false, ACTION_SCREENSHOT},
+        {KEY_F1, false, ACTION_HELP}, {'L', false, ACTION_COLOURING},   {KEY_ESCAPE, false, ACTION_LEAVE},
     };
     for (size_t i = 0; i < COUNT_OF(presses); i++) {
         keyboard_on_key(&keyboard, presses[i].key, true, presses[i].shift);
@@ -107,6 +107,21 @@ static void every_action_has_keys_and_help(void **state) {
             bound = (int)action_of_key(key, false) == i || (int)action_of_key(key, true) == i;
         if (!bound)
             fail_msg("no key does '%s'", action_help((Action)i));
+    }
+}
+
+// The corner of the picture sees a pixel at the angle that projecting two neighbouring pixels gives.
+static void the_corner_of_a_picture_sees_smaller_angles(void **state) {
+    (void)state;
+    for (double fov_deg = 5.0; fov_deg < 140.0; fov_deg += 15.0) {
+        double fov_rad = fov_deg * GEODESY_RAD_PER_DEG, width = 1280.0, height = 800.0;
+        double focal = camera_px_per_rad(fov_rad, width, height, false);
+        assert_true(fabs(2.0 * atan(height / 2.0 / focal) - fov_rad) < 1e-12);
+        double corner_px = hypot(width / 2.0, height / 2.0), step_px = 1e-3;
+        double radians = atan((corner_px + step_px) / focal) - atan((corner_px - step_px) / focal);
+        double expected = 2.0 * step_px / radians, found = camera_px_per_rad(fov_rad, width, height, true);
+        if (fabs(found / expected - 1.0) > 1e-6)
+            fail_msg("%.0f degrees: expected %.9g px/rad, found %.9g", fov_deg, expected, found);
     }
 }
 
@@ -136,6 +151,17 @@ static void keys_change_what_they_say(void **state) {
     for (int i = 0; i < LOD_METHOD_COUNT; i++)
         flight_settings_apply(&settings, ACTION_METHOD, message, sizeof message);
     assert_int_equal(settings.method, LOD_HYBRID);
+    assert_true(flight_settings_apply(&settings, ACTION_METHOD_RIGHT, message, sizeof message));
+    assert_string_equal(message, "press c to see two methods");
+    flight_settings_apply(&settings, ACTION_METHOD, message, sizeof message);
+    flight_settings_apply(&settings, ACTION_COMPARE, message, sizeof message);
+    assert_true(settings.compare && settings.method == LOD_PATCH && settings.right == LOD_ROAM);
+    assert_string_equal(message, "left: patch, right: roam");
+    for (int i = 0; i < LOD_METHOD_COUNT + 1; i++)
+        flight_settings_apply(&settings, ACTION_METHOD_RIGHT, message, sizeof message);
+    assert_true(settings.method == LOD_PATCH && settings.right == LOD_ROAM_PARALLEL);
+    flight_settings_apply(&settings, ACTION_COMPARE, message, sizeof message);
+    assert_false(settings.compare);
     flight_settings_apply(&settings, ACTION_VIEW_PREVIOUS, message, sizeof message);
     assert_int_equal(settings.view, CAMERA_DOWN);
     flight_settings_apply(&settings, ACTION_VIEW_NEXT, message, sizeof message);
@@ -238,6 +264,7 @@ int main(void) {
         cmocka_unit_test(presses_come_in_order_and_shift_matters),
         cmocka_unit_test(every_action_has_keys_and_help),
         cmocka_unit_test(keys_change_what_they_say),
+        cmocka_unit_test(the_corner_of_a_picture_sees_smaller_angles),
         cmocka_unit_test(a_demo_reaches_its_places_without_touching_the_ground),
         cmocka_unit_test(broken_demos_are_refused_with_file_and_line),
         cmocka_unit_test(percentiles_are_of_the_latest_and_the_longest_of_all),

@@ -139,6 +139,7 @@ static int list_rects(const HudLayout *l, NamedRect out[16]) {
         {"message", l->message},
         {"panel", l->panel},
         {"legend", l->legend},
+        {"low legend", l->legend_low},
         {"speed", l->speed_scale.y1 > l->speed_scale.y0 ? l->speed_scale : l->speed_box},
         {"altitude", l->altitude_scale.y1 > l->altitude_scale.y0 ? l->altitude_scale : l->altitude_box},
     };
@@ -234,7 +235,9 @@ static RenderPacket extreme_packet(void) {
                                   .patches = 1234567,
                                   .patches_reused = 1234567,
                                   .triangles_rebuilt = 40000000,
-                                  .refine_ns = 12345678901};
+                                  .refine_ns = 12345678901,
+                                  .partitions = 64,
+                                  .balance = 1234.56};
     return packet;
 }
 
@@ -271,14 +274,25 @@ static void text_stays_inside_and_apart_at_its_widest(void **state) {
     const int SIZES[][2] = {{640, 400},   {640, 480},   {640, 1200},  {800, 400},  {800, 600},
                             {921, 576},   {1024, 768},  {1280, 720},  {1280, 800}, {1366, 768},
                             {1920, 1080}, {2560, 1080}, {3840, 2160}, {4096, 500}};
+    previous.right = (RenderCutStats){.upload_bytes = 1, .upload_ms = 1234.5, .draw_ms = 1234.5};
     for (size_t i = 0; i < COUNT_OF(SIZES); i++)
-        for (int help = 0; help < 2; help++) {
+        for (int help = 0; help < 6; help++) { // without and with; for whole pictures, split ones, and with names only
+            LodItem items[2] = {{.level = 0, .partition = 0}, {.level = 30, .partition = 63}};
             RenderPacket packet = extreme_packet();
-            packet.hud.show_help = help;
+            packet.hud.show_help = help % 2;
+            packet.split = help >= 2;
+            packet.right = packet.cut;
+            packet.right.promises = true;
+            packet.right.items = items;
+            packet.right.item_count = packet.split ? 2 : 0;
+            packet.colouring = packet.split ? RENDER_COLOUR_LEVEL : RENDER_COLOUR_LAND;
+            packet.hud.right_method = "roam-parallel";
+            packet.hud.show_numbers = help < 4;
+            packet.hud.show_names = help >= 4;
             hud_paint(bench->canvas, bench->text, &packet, &previous, SIZES[i][0], SIZES[i][1]);
             int found = count_text_faults(bench->canvas, SIZES[i][0], SIZES[i][1]);
             if (found)
-                print_error("%dx%d, help %d: %d glyphs outside or over others\n", SIZES[i][0], SIZES[i][1], help,
+                print_error("%dx%d, variant %d: %d glyphs outside or over others\n", SIZES[i][0], SIZES[i][1], help,
                             found);
             faults += found;
         }
