@@ -34,6 +34,7 @@ typedef struct DiamondModel {
     // [word_count + word] of its edge midpoints. Rounded up, position_slack_m included.
     float *reach_m;
     uint32_t *valid, *always; // [word_count]: samples inside the DEM; vertices that are split in every cut
+    float extent_m;           // largest coordinate of a position
     float position_slack_m;   // at most so far is a float position from the drawn one
     // What some predicates read, NULL where the model was made without (DiamondSelect.fields). By diamond_entry.
     float *datum_m;              // height above the DEM's own datum
@@ -73,6 +74,8 @@ struct DiamondOrder {
     const DiamondModel *model; // error_m may be NULL: the renderer generates errors then
     const DiamondProgram *program;
     DiamondView view;
+    int64_t max_triangles; // the budget
+    bool may_raise;        // the tolerance, above the budget: not of a selection
 };
 
 // ---- the phases; `bits` is [word_count] ----

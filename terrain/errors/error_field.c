@@ -77,7 +77,7 @@ static Result allocate_planes(ErrorField *field, const Forest *forest) {
 
 // Magnitudes compare like their bits, so this maximum can be vectorised without relaxed arithmetic.
 SIMD_CLONES
-static float max_height(const float *height_m, size_t count) {
+float error_height_max(const float *height_m, size_t count) {
     union {
         float value;
         uint32_t bits;
@@ -93,7 +93,7 @@ static float max_height(const float *height_m, size_t count) {
     return most.value;
 }
 
-static ErrorTerms terms_of_row(const Grid *grid, int row, int step, int height, float h_max) {
+ErrorTerms error_terms_of_row(const Grid *grid, int row, int step, int height, float h_max) {
     int top = row - step < 0 ? 0 : row - step;
     int bottom = row + step > height - 1 ? height - 1 : row + step;
     GridBounds bounds = grid_bounds(grid, top, bottom, h_max);
@@ -116,14 +116,14 @@ static ErrorTerms terms_of_row(const Grid *grid, int row, int step, int height, 
 }
 
 static Result prepare_terms(ErrorWork *work, const ErrorField *field) {
-    float h_max = max_height(work->input->height_m, (size_t)work->width * (size_t)work->height);
+    float h_max = error_height_max(work->input->height_m, (size_t)work->width * (size_t)work->height);
     for (int k = 0; k < field->plane_count; k++) {
         const ErrorPlane *plane = &field->planes[k];
         work->terms[k] = malloc(sizeof **work->terms * (size_t)plane->height);
         if (!work->terms[k])
             return RESULT_MEMORY;
         for (int j = 0; j < plane->height; j++)
-            work->terms[k][j] = terms_of_row(work->input->grid, j << k, plane->step, work->height, h_max);
+            work->terms[k][j] = error_terms_of_row(work->input->grid, j << k, plane->step, work->height, h_max);
     }
     return RESULT_OK;
 }

@@ -38,6 +38,11 @@ static inline float error_reach(float h, float hc, float reach2, uint16_t code) 
     return __builtin_sqrtf(reach2 + d * d) + error_field_decode(code);
 }
 
+// The terms of sample row `row` for diamonds of a step, in a grid of `height` rows whose heights are within `h_max`.
+ErrorTerms error_terms_of_row(const Grid *grid, int row, int step, int height, float h_max);
+// The largest |height|.
+float error_height_max(const float *height_m, size_t count);
+
 // Codes of own errors for TERRAIN_ERROR_TOTAL, written to delta, before nesting. Forced entries are left as they are.
 MUST_USE Result error_total_own(const ErrorWork *work, Jobs *jobs, ErrorField *field);
 // Fill delta and radius, finest plane first.

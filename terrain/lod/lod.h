@@ -99,6 +99,7 @@ typedef struct LodStats {
     double balance;                        // the longest partition's time over their mean, 1 at best; 0: not measured
     int64_t cut_vertices;                  // drawn once more because two partitions share them
     int64_t splits, forced_splits, merges; // roam: of triangle pairs, in this frame
+    int64_t chosen, closed;                // diamond: split before and after the closure
 } LodStats;
 
 typedef struct LodCut {

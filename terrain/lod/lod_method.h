@@ -31,4 +31,5 @@ extern const LodOps LOD_ROAM_OPS;
 extern const LodOps LOD_ROAM_PARALLEL_OPS;
 extern const LodOps LOD_GEOMIPMAP_OPS;
 extern const LodOps LOD_GEOMIPMAP_YE_OPS;
+extern const LodOps LOD_DIAMOND_OPS;
 extern const LodOps LOD_BRUTE_OPS;

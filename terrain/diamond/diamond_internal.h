@@ -1,0 +1,65 @@
+// terrain/diamond/diamond_internal.h: what the files of this folder share: the corners of a diamond, and ways through
+// the words of a layout. Columns and rows in samples.
+// Values; nothing owned.
+#pragma once
+#include "terrain/diamond/diamond.h"
+
+typedef struct DiamondPoint {
+    int32_t col, row;
+} DiamondPoint;
+
+// Corner order: the hypotenuse's ends, west or north first, then the parents, west or north first.
+typedef struct DiamondCorners {
+    DiamondPoint ends[2], parents[2];
+} DiamondCorners;
+
+static inline bool diamond_is_centre(int slot) {
+    return slot < DIAMOND_CENTRE_SLOTS;
+}
+
+// A centre whose hypotenuse runs from south-west to north-east. The same in every super-square.
+static inline bool diamond_is_rising(int slot) {
+    int bit = diamond_slot_bit(slot);
+    return ((bit & 3) / 2 + bit / 8) & 1;
+}
+
+// An edge midpoint whose hypotenuse runs from west to east.
+static inline bool diamond_is_horizontal(int slot) {
+    return diamond_slot_bit(slot) & 1;
+}
+
+static inline DiamondCorners diamond_corners(int slot, DiamondPoint v, int step) {
+    int32_t s = step;
+    if (!diamond_is_centre(slot)) {
+        int32_t dx = diamond_is_horizontal(slot) ? s : 0, dy = s - dx;
+        return (DiamondCorners){{{v.col - dx, v.row - dy}, {v.col + dx, v.row + dy}},
+                                {{v.col - dy, v.row - dx}, {v.col + dy, v.row + dx}}};
+    }
+    DiamondPoint nw = {v.col - s, v.row - s}, ne = {v.col + s, v.row - s};
+    DiamondPoint sw = {v.col - s, v.row + s}, se = {v.col + s, v.row + s};
+    return diamond_is_rising(slot) ? (DiamondCorners){{sw, ne}, {nw, se}} : (DiamondCorners){{nw, se}, {sw, ne}};
+}
+
+static inline bool diamond_is_inside(const DiamondLayout *layout, DiamondPoint p) {
+    return p.col >= 0 && p.row >= 0 && p.col < layout->width && p.row < layout->height;
+}
+
+static inline size_t diamond_sample(const DiamondLayout *layout, DiamondPoint p) {
+    return (size_t)p.row * (size_t)layout->width + (size_t)p.col;
+}
+
+// The vertex of a slot of super-square (i, j) of a plane; it may lie outside the DEM.
+static inline DiamondPoint diamond_vertex(int plane, uint32_t i, uint32_t j, int slot) {
+    int bit = diamond_slot_bit(slot);
+    return (DiamondPoint){((int32_t)(4 * i) + (bit & 3)) << plane, ((int32_t)(4 * j) + (bit >> 2)) << plane};
+}
+
+static inline uint32_t diamond_plane_words(const DiamondLayout *layout, int plane) {
+    return layout->across[plane] * layout->down[plane];
+}
+
+// Runs `task` over the rows of super-squares of one plane, 256 super-squares or more at a time.
+static inline void diamond_run_rows(Jobs *jobs, const DiamondLayout *layout, int plane, JobsTask *task, void *user) {
+    int64_t grain = 256 / layout->across[plane] + 1;
+    jobs_run(jobs, layout->down[plane], grain, task, user);
+}
