@@ -88,7 +88,7 @@ static Result select_patches(Update *u, double tau_px) {
     Result result = seam_split(&m->seam, &view, most, &m->selection);
     if (result != RESULT_OK)
         return result;
-    rest_decide(&m->rest, &m->seam, &view, call->jobs);
+    rest_decide(&m->rest, &m->seam, &view, call, !m->options.reuse);
     result = seam_close(&m->seam);
     return result == RESULT_OK ? seam_select(&m->seam, most, &m->selection) : result;
 }
@@ -166,7 +166,7 @@ static void count_items(const PatchMethod *m, uint64_t frame, LodStats *stats) {
         bool rebuilt = item.state == LOD_ITEM_REBUILT;
         stats->triangles += item.index_count / 3;
         stats->vertices += rest < 0 ? item.page->vertex_count : m->rest.pages[rest].vertex_count;
-        stats->vertices_evaluated += rest < 0 ? 0 : m->rest.pages[rest].evaluated;
+        stats->vertices_evaluated += rest < 0 || !m->rest.pages[rest].stale ? 0 : m->rest.pages[rest].evaluated;
         stats->patches_reused += !rebuilt;
         stats->triangles_rebuilt += rebuilt ? item.index_count / 3 : 0;
         stats->index_bytes += rebuilt ? (int64_t)sizeof(uint16_t) * item.index_count : 0;

@@ -11,6 +11,7 @@ typedef struct Pass {
     PatchRest *rest;
     const PatchSeam *seam;
     const SeamView *view;
+    const LodCall *call;
     bool all;
     int parts;
     bool failed[LOD_PARTITIONS_MAX];
@@ -24,10 +25,9 @@ static bool never(void *user, const PatchTile *tile, PatchCorner middle) {
     return !seam_is_static(seam, &tile->tile);
 }
 
-static bool is_rest(const PatchSeam *seam, const PatchChoice *choice) {
-    const PatchTriangle *t = &choice->triangle;
+static int32_t square_of(const PatchSeam *seam, const PatchTriangle *t) {
     int32_t col = (t->left.col + t->right.col + t->apex.col) / 3, row = (t->left.row + t->right.row + t->apex.row) / 3;
-    return seam->tile_sides[square_grid_at(&seam->squares, col, row)] < seam->static_side;
+    return square_grid_at(&seam->squares, col, row);
 }
 
 static Result take_pages(const PatchSeam *seam, PageStore *store, const PatchSelection *finest, PatchRest *rest) {
@@ -36,16 +36,18 @@ static Result take_pages(const PatchSeam *seam, PageStore *store, const PatchSel
     rest->pages = calloc((size_t)finest->count, sizeof *rest->pages);
     for (int32_t i = 0; rest->pages && i < finest->count; i++) {
         const PatchChoice *choice = &finest->choices[i];
-        if (!is_rest(seam, choice))
+        int32_t square = square_of(seam, &choice->triangle);
+        if (seam->tile_sides[square] >= seam->static_side)
             continue;
         RestPage *r = &rest->pages[rest->count++];
         r->triangle = choice->triangle;
+        r->square = square;
         r->page = page_store_take(store, forest, choice->template_index, choice->node);
         if (!r->page)
             return RESULT_MEMORY;
         size_t indices = refine_indices_max(r->page->patch);
         rest->scratch_count = indices > rest->scratch_count ? indices : rest->scratch_count;
-        bytes += 2 * refine_active_bytes(r->page->patch);
+        bytes += 3 * refine_active_bytes(r->page->patch);
     }
     rest->activity = calloc(bytes + 1, 1);
     return rest->pages && rest->activity ? RESULT_OK : RESULT_MEMORY;
@@ -56,8 +58,9 @@ static void share_activity(PatchRest *rest) {
     for (int32_t i = 0; i < rest->count; i++) {
         size_t bytes = refine_active_bytes(rest->pages[i].page->patch);
         rest->pages[i].decided = next;
-        rest->pages[i].drawn = next + bytes;
-        next += 2 * bytes;
+        rest->pages[i].active = next + bytes;
+        rest->pages[i].drawn = next + 2 * bytes;
+        next += 3 * bytes;
     }
 }
 
@@ -89,36 +92,61 @@ void rest_destroy(PatchRest *rest) {
 
 // Deciding -----------------------------------------------------------------------------------------------------
 
+static bool is_valid(const RestPage *r, const Pass *pass) {
+    const SeamView *view = pass->view;
+    return !pass->all && r->page->filled && r->built_nu == view->view.nu && r->built_nearest_m == view->nearest_m &&
+           vec3d_distance(pass->call->view->eye_ecef, r->built_eye) < r->validity_m;
+}
+
+static void decide(const Pass *pass, RestPage *r) {
+    if (!r->page->filled)
+        page_fill(r->page, pass->seam->terrain, &r->triangle);
+    RefineResult result = refine_decide(r->page, &pass->view->view, r->decided);
+    int first = r->page->patch->level_begin[0];
+    for (int v = first; pass->view->nearest_m > 0.0 && v < first + result.evaluated; v++)
+        r->decided[v] &= seam_view_matters(pass->view, error_field_decode(r->page->delta[v]));
+    r->built_eye = pass->call->view->eye_ecef;
+    r->built_nu = pass->view->view.nu;
+    r->built_nearest_m = pass->view->nearest_m;
+    r->validity_m = result.validity_m;
+    r->evaluated = result.evaluated;
+}
+
 static void decide_task(void *user, int64_t begin, int64_t end, int worker) {
     Pass *pass = user;
     (void)worker;
     for (int64_t i = begin; i < end; i++) {
         RestPage *r = &pass->rest->pages[i];
-        if (!r->page->filled)
-            page_fill(r->page, pass->seam->terrain, &r->triangle);
-        r->evaluated = refine_decide(r->page, &pass->view->view, r->decided).evaluated;
+        r->stale = !is_valid(r, pass);
+        if (r->stale)
+            decide(pass, r);
+        r->changed = r->changed || r->stale;
     }
 }
 
-// Its corners, which each page shows, and what is active by its error.
-static void activate_page(PatchSeam *seam, const RestPage *r, const SeamView *view) {
+static void tell_errors(PatchSeam *seam, const RestPage *r) {
     const LodPage *shown = &r->page->shown;
-    int first = r->page->patch->level_begin[0], end = first + r->evaluated;
-    for (int v = 0; v < end; v++)
-        if (v < first || (r->decided[v] && seam_view_matters(view, error_field_decode(r->page->delta[v]))))
-            seam_activate(seam, shown->col0 + shown->vertices[v].col, shown->row0 + shown->vertices[v].row);
+    for (int v = r->page->patch->level_begin[0]; v < shown->vertex_count; v++)
+        seam_set_by_error(seam, shown->col0 + shown->vertices[v].col, shown->row0 + shown->vertices[v].row,
+                          r->decided[v]);
 }
 
-void rest_decide(PatchRest *rest, PatchSeam *seam, const SeamView *view, Jobs *jobs) {
-    Pass pass = {.rest = rest, .seam = seam, .view = view};
-    jobs_run(jobs, rest->count, 16, decide_task, &pass);
+void rest_decide(PatchRest *rest, PatchSeam *seam, const SeamView *view, const LodCall *call, bool all) {
+    Pass pass = {.rest = rest, .seam = seam, .view = view, .call = call, .all = all};
+    jobs_run(call->jobs, rest->count, 16, decide_task, &pass);
     for (int32_t i = 0; i < rest->count; i++)
-        activate_page(seam, &rest->pages[i], view);
+        if (rest->pages[i].stale)
+            tell_errors(seam, &rest->pages[i]);
+    for (int32_t i = 0; i < rest->count; i++) { // a page's corners are always drawn
+        const LodPage *shown = &rest->pages[i].page->shown;
+        for (int v = 0; v < rest->pages[i].page->patch->level_begin[0]; v++)
+            seam_activate(seam, shown->col0 + shown->vertices[v].col, shown->row0 + shown->vertices[v].row);
+    }
 }
 
 // Triangulating ------------------------------------------------------------------------------------------------
 
-// The seam's activity on the page's vertices goes to `decided`; how many are active. A level without an active vertex
+// The seam's activity on the page's vertices goes to `active`; how many are active. A level without an active vertex
 // has none below.
 static int32_t read_activity(const PatchSeam *seam, RestPage *r) {
     const PatchTemplate *patch = r->page->patch;
@@ -128,24 +156,27 @@ static int32_t read_activity(const PatchSeam *seam, RestPage *r) {
     for (int level = 0; level < patch->depth && active != before; level++) {
         before = active;
         for (; v < patch->level_begin[level + 1]; v++) {
-            r->decided[v] =
+            r->active[v] =
                 seam_is_active(seam, shown->col0 + shown->vertices[v].col, shown->row0 + shown->vertices[v].row);
-            active += r->decided[v];
+            active += r->active[v];
         }
     }
-    memset(r->decided + v, 0, (size_t)(patch->vertex_count - v));
+    memset(r->active + v, 0, (size_t)(patch->vertex_count - v));
     return active;
 }
 
 static bool triangulate(const Pass *pass, RestPage *r, int part) {
     PatchRest *rest = pass->rest;
     const PatchTemplate *patch = r->page->patch;
+    if (!pass->all && r->list.indices && !r->changed && !seam_is_touched(pass->seam, r->square))
+        return true;
+    r->changed = false;
     int first = patch->level_begin[0];
     r->vertex_count = first + read_activity(pass->seam, r);
     size_t bytes = (size_t)(patch->vertex_count - first);
-    if (!pass->all && r->list.indices && !memcmp(r->decided + first, r->drawn + first, bytes))
+    if (!pass->all && r->list.indices && !memcmp(r->active + first, r->drawn + first, bytes))
         return true;
-    memcpy(r->drawn + first, r->decided + first, bytes);
+    memcpy(r->drawn + first, r->active + first, bytes);
     int32_t count = refine_emit(patch, r->drawn, rest->scratch[part]);
     if (!index_list_take(&rest->lists, part, count, &r->next))
         return false;
@@ -174,12 +205,13 @@ static Result create_scratch(PatchRest *rest, int parts) {
     return RESULT_OK;
 }
 
-Result rest_triangulate(PatchRest *rest, const PatchSeam *seam, const LodCall *call, bool all, uint64_t *revision) {
+Result rest_triangulate(PatchRest *rest, PatchSeam *seam, const LodCall *call, bool all, uint64_t *revision) {
     Pass pass = {.rest = rest, .seam = seam, .all = all, .parts = jobs_worker_count(call->jobs)};
     Result result = create_scratch(rest, pass.parts);
     if (result != RESULT_OK)
         return result;
     jobs_run(call->jobs, pass.parts, 1, triangulate_task, &pass);
+    seam_settle(seam);
     for (int32_t i = 0; i < rest->count; i++) {
         RestPage *r = &rest->pages[i];
         if (!r->next.indices)

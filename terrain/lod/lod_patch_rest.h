@@ -9,11 +9,16 @@
 typedef struct RestPage {
     Page *page;
     PatchTriangle triangle;
-    uint8_t *decided, *drawn; // [vertex_count] active by its error; in the list
-    IndexList list, next;     // next: made in this frame, not yet adopted
+    int32_t square;                    // of the seam's grid
+    uint8_t *decided, *active, *drawn; // [vertex_count] by its error; in this frame; in the list
+    Vec3d built_eye;
+    double built_nu, built_nearest_m, validity_m; // of `decided`; the last as RefineResult has it
+    bool stale;                                   // decided anew in this pass
+    bool changed;                                 // decided anew since it was last read
+    IndexList list, next;                         // next: made in this frame, not yet adopted
     uint64_t revision;
     uint64_t built_frame;
-    int32_t vertex_count, evaluated; // drawn; decided upon in this pass
+    int32_t vertex_count, evaluated; // drawn; decided upon when it was last
 } RestPage;
 
 typedef struct PatchRest {
@@ -29,8 +34,7 @@ typedef struct PatchRest {
 MUST_USE Result rest_create(const PatchSeam *seam, PageStore *pages, PatchRest *out);
 void rest_destroy(PatchRest *rest);
 
-// Activates in the seam what is active by its error.
-void rest_decide(PatchRest *rest, PatchSeam *seam, const SeamView *view, Jobs *jobs);
+// Activates in the seam what is active by its error. Pages are decided anew outside their sphere of validity, or all.
+void rest_decide(PatchRest *rest, PatchSeam *seam, const SeamView *view, const LodCall *call, bool all);
 // Triangulates, after the seam was closed, the pages whose active vertices changed, or all. Revisions count up. MEMORY.
-MUST_USE Result rest_triangulate(PatchRest *rest, const PatchSeam *seam, const LodCall *call, bool all,
-                                 uint64_t *revision);
+MUST_USE Result rest_triangulate(PatchRest *rest, PatchSeam *seam, const LodCall *call, bool all, uint64_t *revision);

@@ -8,7 +8,7 @@
 
 #include <stdlib.h>
 
-#define SHOWN 2 // by a static patch on the border
+#define SHOWN 4 // by a static patch on the border
 
 typedef struct Place {
     int32_t col, row;
@@ -45,11 +45,40 @@ static void add(PatchSeam *seam, SeamList *list, int32_t sample) {
         seam->out_of_memory = true;
 }
 
+#define TOUCHED_NOW 1
+#define TOUCHED_BEFORE 2
+
+static void touch(PatchSeam *seam, Place p) {
+    for (int c = 0; c < 4; c++) {
+        int32_t square = square_grid_at(&seam->squares, p.col - (c & 1), p.row - (c >> 1));
+        if (square >= 0)
+            seam->touched[square] |= TOUCHED_NOW;
+    }
+}
+
+bool seam_is_touched(const PatchSeam *seam, int32_t square) {
+    return seam->touched[square];
+}
+
+void seam_settle(PatchSeam *seam) {
+    for (int32_t i = 0; i < seam->squares.count; i++)
+        seam->touched[i] &= TOUCHED_NOW;
+}
+
+void seam_set_by_error(PatchSeam *seam, int32_t col, int32_t row, bool active) {
+    uint8_t *mark = &seam->marks[sample_of(seam, (Place){col, row})];
+    *mark = (uint8_t)(active ? *mark | SEAM_BY_ERROR : *mark & ~SEAM_BY_ERROR);
+}
+
+// What is active by its error has its ancestors active, and static patches that show it: errors are nested.
 static void activate(PatchSeam *seam, Place p, uint8_t bits) {
     int k = step_log2(p);
     if (k >= FOREST_LEVEL_MAX) // a corner of every tile around it
         return;
     size_t sample = sample_of(seam, p);
+    if (!bits && seam->marks[sample] & SEAM_BY_ERROR)
+        return;
+    touch(seam, p);
     if (!(seam->marks[sample] & SEAM_ACTIVE))
         add(seam, &seam->vertices[2 * k + is_centre(p, k)], (int32_t)sample);
     seam->marks[sample] |= SEAM_ACTIVE | bits;
@@ -73,6 +102,8 @@ static void split(PatchSeam *seam, Place p) {
 }
 
 void seam_begin(PatchSeam *seam) {
+    for (int32_t i = 0; i < seam->squares.count; i++)
+        seam->touched[i] = seam->touched[i] ? TOUCHED_BEFORE : 0;
     for (int level = 0; level < SEAM_LEVELS; level++) {
         SeamList *vertices = &seam->vertices[level], *patches = &seam->patches[level];
         for (int32_t i = 0; i < vertices->count; i++)

@@ -28,6 +28,7 @@ typedef struct PatchSeam {
     SquareGrid squares;                    // which tile a cell lies in
     int32_t *tile_sides;                   // [squares.count] of the tile that the square is part of
     uint8_t *marks;                        // [height][width]
+    uint8_t *touched;                      // [squares.count] where the closure put vertices: now, or before
     uint8_t *split[FOREST_LEVEL_MAX];      // as the patch forest's planes
     SeamSphere *spheres[FOREST_LEVEL_MAX]; // as the patch forest's planes
     SeamList vertices[SEAM_LEVELS];        // active in the remainder, or shown on its border
@@ -55,15 +56,23 @@ static inline bool seam_view_matters(const SeamView *view, float delta_m) {
 }
 // Static patches split where the view asks for it. BUDGET, MEMORY as patch_select.
 MUST_USE Result seam_split(PatchSeam *seam, const SeamView *view, int32_t count_max, PatchSelection *out);
-// A vertex of the remainder is active.
+// A vertex of the remainder is active in this frame.
 void seam_activate(PatchSeam *seam, int32_t col, int32_t row);
+// A vertex of the remainder is active by its error, or not, until told otherwise. With it are all its ancestors.
+void seam_set_by_error(PatchSeam *seam, int32_t col, int32_t row, bool active);
 // Adds what follows: parents of active vertices, vertices that static patches show on the border, patches that must
 // split to show one. The smallest such set, whatever the order. MEMORY.
 MUST_USE Result seam_close(PatchSeam *seam);
 // The static patches that do not split, and the finest of the remainder.
 MUST_USE Result seam_select(PatchSeam *seam, int32_t count_max, PatchSelection *out);
 
-#define SEAM_ACTIVE 1
+// Whether the closure put vertices into a square, in this frame or in one since seam_settle.
+bool seam_is_touched(const PatchSeam *seam, int32_t square);
+// What is active now is drawn: from here on it is what was before.
+void seam_settle(PatchSeam *seam);
+
+#define SEAM_ACTIVE 1   // in this frame
+#define SEAM_BY_ERROR 2 // until told otherwise
 static inline uint8_t seam_is_active(const PatchSeam *seam, int32_t col, int32_t row) {
-    return seam->marks[(size_t)row * (size_t)seam->width + (size_t)col] & SEAM_ACTIVE;
+    return (seam->marks[(size_t)row * (size_t)seam->width + (size_t)col] & (SEAM_ACTIVE | SEAM_BY_ERROR)) != 0;
 }

@@ -186,7 +186,8 @@ static bool allocate(PatchSeam *seam) {
     const PatchForest *forest = &seam->terrain->patches;
     seam->tile_sides = calloc((size_t)seam->squares.count, sizeof *seam->tile_sides);
     seam->marks = calloc((size_t)seam->width * (size_t)seam->height, 1);
-    bool all = seam->tile_sides && seam->marks;
+    seam->touched = calloc((size_t)seam->squares.count, 1);
+    bool all = seam->tile_sides && seam->marks && seam->touched;
     for (int plane = 0; plane < forest->plane_count; plane++) {
         size_t count = (size_t)forest->planes[plane].width * (size_t)forest->planes[plane].height;
         seam->split[plane] = calloc(count, 1);
@@ -237,6 +238,7 @@ void seam_destroy(PatchSeam *seam) {
     square_grid_destroy(&seam->squares);
     free(seam->tile_sides);
     free(seam->marks);
+    free(seam->touched);
     for (int plane = 0; plane < FOREST_LEVEL_MAX; plane++) {
         free(seam->split[plane]);
         free(seam->spheres[plane]);

@@ -4,7 +4,7 @@
 #pragma once
 #include "terrain/lod/lod_patch_seam.h"
 
-#define SEAM_BORDER 4 // a mark that stays: a static patch on one side, the remainder on the other
+#define SEAM_BORDER 8 // a mark that stays: a static patch on one side, the remainder on the other
 
 // False when memory is out.
 MUST_USE bool seam_list_add(SeamList *list, int32_t sample);
