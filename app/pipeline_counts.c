@@ -24,11 +24,18 @@ static void add_frame_time(PipelineCounts *counts, int64_t now_ns) {
         stats->frame_p99_ms = frame_times_summary(&counts->frame, RECENT_FRAMES).p99;
 }
 
-static void add_right(PipelineCounts *counts, const LodCut *cut, LodMethod method, const RenderCutStats *render) {
-    counts->stats.right = cut_of(cut, method);
+static LodCut told_cut(const LodCut *cut, const RenderResident *resident) {
+    LodCut told = *cut;
+    render_tell_cut(resident, &told);
+    return told;
+}
+
+static void add_right(PipelineCounts *counts, const LodCut *right, LodMethod method, const RenderCutStats *render) {
+    const LodCut cut = told_cut(right, &render->resident);
+    counts->stats.right = cut_of(&cut, method);
     counts->stats.frames_split++;
     counts->stats.frames_by_method[method]++;
-    frame_times_add(&counts->right_refine, refine_ms(cut));
+    frame_times_add(&counts->right_refine, refine_ms(&cut));
     frame_times_add(&counts->right_upload, render->upload_ms);
     frame_times_add(&counts->right_draw, render->draw_ms);
 }
@@ -36,13 +43,14 @@ static void add_right(PipelineCounts *counts, const LodCut *cut, LodMethod metho
 void pipeline_counts_add(PipelineCounts *counts, const RenderPacket *packet, const LodMethod methods[METHODS_HALVES],
                          const RenderStats *render, int64_t now_ns) {
     PipelineStats *stats = &counts->stats;
+    const LodCut cut = told_cut(&packet->cut, &render->resident);
     stats->frames++;
     add_frame_time(counts, now_ns);
-    stats->cut = cut_of(&packet->cut, methods[0]);
+    stats->cut = cut_of(&cut, methods[0]);
     stats->render = *render;
-    stats->triangles_sum += packet->cut.stats.triangles;
+    stats->triangles_sum += cut.stats.triangles;
     stats->split = packet->split;
-    frame_times_add(&counts->refine, refine_ms(&packet->cut));
+    frame_times_add(&counts->refine, refine_ms(&cut));
     frame_times_add(&counts->upload, render->upload_ms);
     frame_times_add(&counts->draw, render->draw_ms);
     if (packet->split)

@@ -94,6 +94,16 @@ static Result fit_targets(Renderer *renderer) {
     return result;
 }
 
+void render_tell_cut(const RenderResident *resident, LodCut *cut) {
+    if (!resident->made)
+        return;
+    cut->reached_px = resident->reached_px;
+    cut->stats.triangles = cut->stats.triangles_rebuilt = resident->triangles;
+    cut->stats.patches = 1;
+    cut->stats.select_ns = (int64_t)((resident->evaluate_ms + resident->close_ms) * 1e6);
+    cut->stats.refine_ns = (int64_t)(resident->indices_ms * 1e6);
+}
+
 static bool draws_several_samples(const Renderer *renderer, const RenderPacket *packet) {
     return renderer->samples > 1 && !packet->magenta_background;
 }
@@ -115,6 +125,15 @@ static void end_view(Renderer *renderer, int index, RenderCutStats *stats) {
     stats->draw_ms = timing_end(&renderer->timings[index], renderer->options.measure_times);
 }
 
+// The packet as the display tells of it.
+static RenderPacket told_packet(const RenderPacket *packet, const RenderCutStats *left, const RenderCutStats *right) {
+    RenderPacket told = *packet;
+    render_tell_cut(&left->resident, &told.cut);
+    if (right)
+        render_tell_cut(&right->resident, &told.right);
+    return told;
+}
+
 // What lies over the land, and the picture to the screen.
 static void finish(Renderer *renderer, const RenderPacket *packet, unsigned screen) {
     const Target *target = &renderer->target;
@@ -130,7 +149,8 @@ static void finish(Renderer *renderer, const RenderPacket *packet, unsigned scre
 static Result draw_whole(Renderer *renderer, const RenderPacket *packet, unsigned screen, RenderCutStats *stats) {
     const SceneView view = {&packet->cut, 0, 0, renderer->target.width, renderer->target.height};
     Result result = draw_view(renderer, packet, &view, stats);
-    finish(renderer, packet, screen);
+    RenderPacket told = told_packet(packet, stats, NULL);
+    finish(renderer, &told, screen);
     end_view(renderer, 0, stats);
     return result;
 }
@@ -144,7 +164,8 @@ static Result draw_halves(Renderer *renderer, const RenderPacket *packet, unsign
     end_view(renderer, 0, left);
     Result right_result = draw_view(renderer, packet, &right_view, right);
     end_view(renderer, 1, right);
-    finish(renderer, packet, screen);
+    RenderPacket told = told_packet(packet, left, right);
+    finish(renderer, &told, screen);
     return left_result != RESULT_OK ? left_result : right_result;
 }
 
@@ -156,6 +177,7 @@ static RenderStats stats_of(const Renderer *renderer, const RenderCutStats *cut)
                          .evictions = cut->evictions,
                          .upload_ms = cut->upload_ms,
                          .draw_ms = cut->draw_ms,
+                         .resident = cut->resident,
                          .vram_bytes = scene_vram_bytes(renderer->scene),
                          .software = renderer->software};
 }

@@ -60,21 +60,34 @@ typedef struct RenderPacket {
     RenderHud hud;
 } RenderPacket;
 
+// Of a cut that the renderer made itself (LodCut.resident). Known at once on a software renderer and with
+// RenderOptions.lockstep; else of the newest frame that has left the GPU.
+typedef struct RenderResident {
+    bool made; // false: the cut was not resident
+    int64_t triangles;
+    double reached_px;                        // as LodCut has it
+    double evaluate_ms, close_ms, indices_ms; // the phases of terrain/diamond
+} RenderResident;
+// The cut with the numbers that only the renderer knows, where it made it.
+void render_tell_cut(const RenderResident *resident, LodCut *cut);
+
 // Of one cut.
 typedef struct RenderCutStats {
     int64_t draws, triangles_drawn, patches_drawn; // after view culling
     int64_t upload_bytes, evictions;
     double upload_ms, draw_ms; // draw_ms by glFinish and the clock on a software renderer, else timer queries
+    RenderResident resident;
 } RenderCutStats;
 
 typedef struct RenderStats {
     int64_t draws, triangles_drawn,
         patches_drawn; // after view culling; of a split picture the left half's, as all below
     int64_t upload_bytes, evictions;
-    int64_t vram_bytes;        // in use in the patch cache
+    int64_t vram_bytes;        // in use in the patch cache, and by resident cuts
     double upload_ms, draw_ms; // draw_ms by glFinish and the clock on a software renderer, else timer queries. Of a
                                // whole picture with the head-up display, of half a picture without
     bool software;
+    RenderResident resident;
     RenderCutStats right; // zeros where the picture is not split
 } RenderStats;
 
@@ -85,6 +98,7 @@ typedef struct RenderOptions {
     bool image_bounds_given; // else the image's own georeference
     double image_west_deg, image_south_deg, image_east_deg, image_north_deg;
     bool measure_times; // true: finish each frame to time it
+    bool lockstep;      // resident cuts keep the budget in each frame, not only in those that follow
     int samples;        // a pixel, 1 .. 16, against jagged edges; 0: 4 on hardware, 1 on a software renderer
 } RenderOptions;
 RenderOptions render_default_options(void);

@@ -2,6 +2,7 @@
 
 #include "base/log.h"
 #include "render/atmosphere.h"
+#include "render/diamond/diamond_pass.h"
 #include "render/drape.h"
 #include "render/gl.h"
 #include "render/ground.h"
@@ -21,6 +22,7 @@ enum { UNIT_LIGHT_SUN = 12, UNIT_LIGHT_SKY = 13 }; // shaders/globe.frag
 struct Scene {
     PatchCache *cache;
     TerrainPass *terrain_passes[2]; // by SceneView.index: each remembers what it drew last
+    DiamondPass *diamond_passes[2]; // by SceneView.index, for resident cuts
     Atmosphere *atmosphere;
     Ground *ground;
     Drape *drape; // NULL: no image
@@ -48,6 +50,13 @@ static Result create_terrain_passes(Scene *scene) {
     return result == RESULT_OK ? terrain_pass_create(noise_repeats, &scene->terrain_passes[1]) : result;
 }
 
+static Result create_diamond_passes(Scene *scene, const RenderOptions *render, bool software) {
+    const DiamondPassOptions options = {software, software || render->lockstep || render->measure_times,
+                                        scene->defines};
+    Result result = diamond_pass_create(&options, &scene->diamond_passes[0]);
+    return result == RESULT_OK ? diamond_pass_create(&options, &scene->diamond_passes[1]) : result;
+}
+
 static Result create_parts(Scene *scene, const RenderOptions *options, const Terrain *terrain, bool software) {
     Result result = patch_cache_create(options->vram_bytes_max, &scene->cache);
     if (result == RESULT_OK)
@@ -64,6 +73,8 @@ static Result create_parts(Scene *scene, const RenderOptions *options, const Ter
              scene->drape ? "DRAPE " : "", ground_in_sea(scene->ground) ? "SEA" : "");
     glCreateBuffers(1, &scene->frame_buffer);
     glNamedBufferStorage(scene->frame_buffer, sizeof(FrameBlock), NULL, GL_DYNAMIC_STORAGE_BIT);
+    if ((result = create_diamond_passes(scene, options, software)) != RESULT_OK)
+        return result;
     if ((result = create_programs(scene)) != RESULT_OK)
         return result;
     return sky_pass_create(scene->defines, &scene->sky_pass);
@@ -89,8 +100,10 @@ void scene_destroy(Scene **scene) {
     if (!self)
         return;
     patch_cache_destroy(&self->cache);
-    for (size_t i = 0; i < COUNT_OF(self->terrain_passes); i++)
+    for (size_t i = 0; i < COUNT_OF(self->terrain_passes); i++) {
         terrain_pass_destroy(&self->terrain_passes[i]);
+        diamond_pass_destroy(&self->diamond_passes[i]);
+    }
     sky_pass_destroy(&self->sky_pass);
     atmosphere_destroy(&self->atmosphere);
     ground_destroy(&self->ground);
@@ -131,8 +144,10 @@ Result scene_prepare(Scene *scene, const RenderPacket *packet, const SceneView *
     scene->frame.block.mode[1] = packet->magenta_background;
     ground_follow_sun(scene->ground, packet->sun_ecef);
     patch_cache_begin_frame(scene->cache);
-    return terrain_pass_prepare(scene->terrain_passes[view->index], scene->cache, &scene->frame, scene->ground,
-                                view->cut);
+    Result result =
+        terrain_pass_prepare(scene->terrain_passes[view->index], scene->cache, &scene->frame, scene->ground, view->cut);
+    Result made = diamond_pass_prepare(scene->diamond_passes[view->index], &scene->frame, scene->ground, view->cut);
+    return result == RESULT_OK ? made : result;
 }
 
 static void set_state(unsigned framebuffer, const SceneView *view) {
@@ -176,7 +191,7 @@ static bool have_wire_program(Scene *scene) {
 }
 
 // Lines a little nearer than the triangles they bound.
-static void draw_wire(Scene *scene, TerrainPass *pass) {
+static void draw_wire(Scene *scene, const SceneView *view) {
     if (!have_wire_program(scene))
         return;
     glDepthFunc(GL_GEQUAL);
@@ -187,30 +202,32 @@ static void draw_wire(Scene *scene, TerrainPass *pass) {
     glPolygonOffset(0.5f, 8.0f);
     glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
     glUseProgram(scene->wire_program);
-    terrain_pass_draw(pass, scene->cache, TERRAIN_ALL);
+    terrain_pass_draw(scene->terrain_passes[view->index], scene->cache, TERRAIN_ALL);
+    diamond_pass_draw_wire(scene->diamond_passes[view->index]);
     glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
     glDisable(GL_POLYGON_OFFSET_LINE);
     glDisable(GL_BLEND);
     glDepthMask(GL_TRUE);
 }
 
-static void draw_land(Scene *scene, TerrainPass *pass) {
+static void draw_land(Scene *scene, const RenderPacket *packet, const SceneView *view) {
+    TerrainPass *pass = scene->terrain_passes[view->index];
     glUseProgram(scene->land_program);
     terrain_pass_draw(pass, scene->cache, TERRAIN_DRY);
     glUseProgram(scene->shore_program);
     terrain_pass_draw(pass, scene->cache, TERRAIN_WET);
+    diamond_pass_draw(scene->diamond_passes[view->index], packet->colouring);
 }
 
 void scene_draw(Scene *scene, const RenderPacket *packet, const SceneView *view, unsigned framebuffer) {
-    TerrainPass *pass = scene->terrain_passes[view->index];
     atmosphere_update(scene->atmosphere, scene->frame.eye_h_m, scene->frame.mu_sun);
     set_state(framebuffer, view);
     bind_inputs(scene);
-    draw_land(scene, pass);
+    draw_land(scene, packet, view);
     if (!packet->magenta_background)
         sky_pass_draw(scene->sky_pass, &scene->frame);
     if (packet->wireframe)
-        draw_wire(scene, pass);
+        draw_wire(scene, view);
     glDisable(GL_SCISSOR_TEST);
     patch_cache_end_frame(scene->cache);
 }
@@ -218,10 +235,12 @@ void scene_draw(Scene *scene, const RenderPacket *packet, const SceneView *view,
 void scene_count(const Scene *scene, const SceneView *view, RenderCutStats *stats) {
     PatchCacheStats cache = patch_cache_stats(scene->cache);
     terrain_pass_count(scene->terrain_passes[view->index], stats);
+    diamond_pass_count(scene->diamond_passes[view->index], stats);
     stats->upload_bytes = cache.upload_bytes;
     stats->evictions = cache.evictions;
 }
 
 int64_t scene_vram_bytes(const Scene *scene) {
-    return patch_cache_stats(scene->cache).used_bytes;
+    return patch_cache_stats(scene->cache).used_bytes + (int64_t)diamond_pass_bytes(scene->diamond_passes[0]) +
+           (int64_t)diamond_pass_bytes(scene->diamond_passes[1]);
 }

@@ -49,6 +49,7 @@ typedef struct Readback {
     GLuint buffer;
     const uint32_t *mapped;
     GLsync fence;
+    uint64_t generation;
 } Readback;
 
 struct DiamondGpu {
@@ -62,8 +63,8 @@ struct DiamondGpu {
     Timing timings[DIAMOND_PHASE_COUNT];
     double ms[DIAMOND_PHASE_COUNT];
     Readback readbacks[READBACKS];
-    uint64_t generation; // of indices
-    int64_t ready;       // count
+    uint64_t generation, ready_generation; // of indices
+    int64_t ready;                         // count of the latter
     int64_t triangles_max;
     bool wait, has_errors;
 };
@@ -371,12 +372,13 @@ static void reset_command(const DiamondGpu *gpu) {
 // Takes the count of a generation whose slot is free to be read.
 static void take_ready(DiamondGpu *gpu, Readback *readback) {
     gpu->ready = *readback->mapped;
+    gpu->ready_generation = readback->generation;
     glDeleteSync(readback->fence);
     readback->fence = NULL;
 }
 
 static void start_readback(DiamondGpu *gpu) {
-    Readback *readback = &gpu->readbacks[gpu->generation++ % READBACKS];
+    Readback *readback = &gpu->readbacks[++gpu->generation % READBACKS];
     if (readback->fence) { // three generations ago: it is as good as done
         glClientWaitSync(readback->fence, GL_SYNC_FLUSH_COMMANDS_BIT, GL_TIMEOUT_IGNORED);
         take_ready(gpu, readback);
@@ -384,6 +386,7 @@ static void start_readback(DiamondGpu *gpu) {
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT | GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
     glCopyNamedBufferSubData(gpu->command.buffer, readback->buffer, offsetof(DiamondCommand, triangles), 0,
                              sizeof(uint32_t));
+    readback->generation = gpu->generation;
     readback->fence = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
 }
 
@@ -407,17 +410,19 @@ int64_t diamond_gpu_count_now(const DiamondGpu *gpu) {
     return command.triangles;
 }
 
-int64_t diamond_gpu_count_ready(DiamondGpu *gpu) {
-    uint64_t oldest = gpu->generation > READBACKS ? gpu->generation - READBACKS : 0;
-    for (uint64_t g = oldest; g < gpu->generation; g++) {
+int64_t diamond_gpu_count_ready(DiamondGpu *gpu, uint64_t *generation) {
+    for (uint64_t g = gpu->ready_generation + 1; g <= gpu->generation; g++) {
         Readback *readback = &gpu->readbacks[g % READBACKS];
-        if (!readback->fence)
-            continue;
         if (glClientWaitSync(readback->fence, GL_SYNC_FLUSH_COMMANDS_BIT, 0) == GL_TIMEOUT_EXPIRED)
             break;
         take_ready(gpu, readback);
     }
+    *generation = gpu->ready_generation;
     return gpu->ready;
+}
+
+uint64_t diamond_gpu_generation(const DiamondGpu *gpu) {
+    return gpu->generation;
 }
 
 double diamond_gpu_ms(const DiamondGpu *gpu, DiamondPhase phase) {

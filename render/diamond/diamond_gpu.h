@@ -43,8 +43,10 @@ void diamond_gpu_generate_indices(DiamondGpu *gpu);
 
 // The triangles wanted by the last generation of indices, whether or not there was room; waits for it.
 int64_t diamond_gpu_count_now(const DiamondGpu *gpu);
-// The same of the newest generation that has left the GPU, without waiting; -1: none has yet.
-int64_t diamond_gpu_count_ready(DiamondGpu *gpu);
+// The same of the newest generation that has left the GPU, without waiting; -1: none has yet. `generation`: which one,
+// from 1.
+int64_t diamond_gpu_count_ready(DiamondGpu *gpu, uint64_t *generation);
+uint64_t diamond_gpu_generation(const DiamondGpu *gpu); // of indices, the last that was started; 0: none
 double diamond_gpu_ms(const DiamondGpu *gpu, DiamondPhase phase);
 
 // Binds positions and indices and draws the triangles of the last generation with the program that is bound: attributes

@@ -1,5 +1,5 @@
 #version 450 core
-// Transitive closure: the ancestors of what is split are split (Yalcin et al. 2011, section 7). Pulled, not pushed: each
+// Transitive closure: the ancestors of what is split are split (Yalcin et al. 2011, section 7). Pulled, not pushed: an
 // invocation owns the word it writes, so that nothing is atomic.
 // Bindings: see diamond.glsl. Uniform 0: the plane. A barrier between planes, finest first.
 // Defines: EDGES_OF_PLANE (edge midpoints of a plane, from the centres of the finer one) or CENTRES_OF_ALL (the centres

@@ -3,5 +3,5 @@
 layout(std140, binding = 7) uniform DiamondDrawBlock {
     ivec4 origin_lo; // model's origin - eye, low words; w: samples a row
     ivec4 origin_hi; // high words; w: level | state << 8 | partition << 16, see tint.glsl
-    vec4 noise;      // xy: repeats of the noise at sample (0, 0); z: level of the smallest triangles
+    ivec4 levels;    // x: of the smallest triangles
 } draw;

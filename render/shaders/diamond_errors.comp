@@ -100,7 +100,8 @@ Diamond centre_diamond(Task task) {
     Diamond d;
     int s = task.step;
     float nw = height_at(task.at + ivec2(-s, -s)), ne = height_at(task.at + ivec2(s, -s));
-    float sw = height_at(task.at + ivec2(-s, s)), se = height_at(task.at + ivec2(s, s)), inverse_step = inverse_of_step();
+    float sw = height_at(task.at + ivec2(-s, s)), se = height_at(task.at + ivec2(s, s));
+    float inverse_step = inverse_of_step();
     d.rising = ((task.at.x >> plane + 1) + (task.at.y >> plane + 1) & 1) != 0;
     d.first = diamond_west_plane(nw, ne, sw, se, inverse_step, d.rising);
     d.second = diamond_east_plane(nw, ne, sw, se, inverse_step, d.rising);

@@ -18,7 +18,7 @@ layout(location = 2) flat out vec3 tint;
 uint level() {
     vec2 a = at_ground_in[1].xy - at_ground_in[0].xy, b = at_ground_in[2].xy - at_ground_in[0].xy;
     int doubled = int(abs(a.x * b.y - a.y * b.x) + 0.5);
-    return uint(max(int(draw.noise.z) - findMSB(doubled), 0));
+    return uint(max(draw.levels.x - findMSB(doubled), 0));
 }
 
 void main() {

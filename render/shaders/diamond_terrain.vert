@@ -22,7 +22,7 @@ void main() {
     at_m = lattice_to_eye_m(vertex, draw.origin_lo.xyz, draw.origin_hi.xyz, frame.eye_rest_m.xyz);
     int row = gl_VertexID / draw.origin_lo.w;
     vec2 at = vec2(gl_VertexID - row * draw.origin_lo.w, row);
-    at_ground = vec4(at, draw.noise.xy + at * ground.noise.xy);
+    at_ground = vec4(at, at * ground.noise.xy);
     tint = tint_of(uint(draw.origin_hi.w));
     gl_Position = frame.clip_from_eye * vec4(at_m, 1.0);
 }
