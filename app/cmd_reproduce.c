@@ -19,6 +19,7 @@ typedef struct Experiment {
 static const Experiment experiments[] = {
     {"loeffler", &figures_loeffler, reproduce_loeffler},
     {"biedermann", &figures_biedermann, reproduce_biedermann},
+    {"yalcin", &figures_yalcin, reproduce_yalcin},
     {"ye", &figures_ye, reproduce_ye},
 };
 

@@ -11,8 +11,12 @@
 
 Result search_begin(const Circuit *circuit, const LodOptions *method, Jobs *jobs, double px_per_rad, double span,
                     int probes, Search *out) {
-    *out =
-        (Search){.circuit = circuit, .px_per_rad = px_per_rad, .span = span, .probes = probes, .tau_px = FIRST_TAU_PX};
+    *out = (Search){.circuit = circuit,
+                    .px_per_rad = px_per_rad,
+                    .span = span,
+                    .probes = probes,
+                    .tau_px = FIRST_TAU_PX,
+                    .power = FIRST_POWER};
     race_begin(circuit->terrain, 1, &out->race);
     return race_enter(&out->race, method, jobs);
 }
@@ -34,40 +38,40 @@ static Result probe(Search *search, double tau_px, double *triangles) {
     return result;
 }
 
-// The exponent between two probes of the curve triangles = a tau^-power.
-static double power_between(double tau_a, double a, double tau_b, double b, double otherwise) {
-    double power = -log(a / b) / log(tau_a / tau_b);
-    if (!isfinite(power))
-        return otherwise;
-    return fmin(fmax(power, LEAST_POWER), GREATEST_POWER);
+// Takes the point in, and the slope from the one before to it.
+static void learn(Search *search, double tau_px, double triangles) {
+    double power = -log(search->triangles / triangles) / log(search->tau_px / tau_px);
+    if (search->triangles > 0.0 && isfinite(power))
+        search->power = fmin(fmax(power, LEAST_POWER), GREATEST_POWER);
+    search->tau_px = tau_px;
+    search->triangles = triangles;
 }
 
-static double next_tau(double tau_px, double ratio, double power) {
-    return fmin(fmax(tau_px * pow(ratio, 1.0 / power), SEARCH_TAU_LEAST_PX), SEARCH_TAU_GREATEST_PX);
+// Where the curve through the latest point has `triangles`; the latest point where none is known.
+static double guess(const Search *search, double triangles) {
+    if (search->triangles <= 0.0)
+        return search->tau_px;
+    double tau = search->tau_px * pow(search->triangles / triangles, 1.0 / search->power);
+    return fmin(fmax(tau, SEARCH_TAU_LEAST_PX), SEARCH_TAU_GREATEST_PX);
 }
 
 Result search_tau(Search *search, double triangles, double *tau_px) {
-    double power = FIRST_POWER, before_tau = 0.0, before = 0.0, nearest = INFINITY;
+    double nearest = INFINITY;
     *tau_px = NAN;
     if (!search->race.racers[0].lod)
         return RESULT_OK;
     for (int step = 0; step < STEPS_MAX && nearest > CLOSE_ENOUGH; step++) {
-        double tau = search->tau_px, found;
+        double tau = guess(search, triangles), found;
+        if (step > 0 && tau == search->tau_px)
+            break;
         Result result = probe(search, tau, &found);
         if (result != RESULT_OK)
             return result;
+        learn(search, tau, found);
         if (fabs(found / triangles - 1.0) < nearest) {
             nearest = fabs(found / triangles - 1.0);
             *tau_px = tau;
         }
-        if (step > 0)
-            power = power_between(before_tau, before, tau, found, power);
-        before_tau = tau;
-        before = found;
-        search->tau_px = next_tau(tau, found / triangles, power);
-        if (search->tau_px == tau)
-            break;
     }
-    search->tau_px = *tau_px;
     return RESULT_OK;
 }

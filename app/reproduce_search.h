@@ -11,10 +11,11 @@
 typedef struct Search {
     const Circuit *circuit;
     double px_per_rad;
-    double span;   // the part of the circuit that is flown
-    int probes;    // views, spread over it
-    double tau_px; // where the next search begins: the last one's end
-    Race race;     // of one
+    double span; // the part of the circuit that is flown
+    int probes;  // views, spread over it
+    // Of the curve triangles = a tau^-power: the latest point, and its slope there. 0 triangles: none is known.
+    double tau_px, triangles, power;
+    Race race; // of one
 } Search;
 
 // `span` and `probes`: as above. What race_enter fails with.

@@ -207,7 +207,7 @@ def bash_completes_the_papers(cli):
     source = os.path.join(os.path.dirname(DEM), "..", "bash-completion", "overfly")
     script = f"""source {source}; compopt() {{ :; }}
         offered() {{ COMP_WORDS=({cli.program} "$1" "$2") COMP_CWORD=2 COMPREPLY=(); _overfly; echo "${{COMPREPLY[@]}}"; }}
-        offered reproduce ''; offered reproduce l; offered bench p"""
+        offered reproduce ''; offered reproduce l; offered bench pre"""
     done = subprocess.run(["bash", "-c", script], capture_output=True, text=True, cwd=cli.folder, check=False,
                           env=cli.environment)
     expect(f"completions, having said {done.stderr!r}", done.stdout.split("\n")[:3],
