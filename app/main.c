@@ -73,12 +73,24 @@ end:
     return result;
 }
 
+// The subcommand's name, wherever it stands among leading options, moves to the front.
+static const Command *take_command(int argc, char **argv) {
+    int place = options_count_leading(argc, argv);
+    const Command *command = place < argc ? command_find(argv[place]) : NULL;
+    if (!command)
+        return NULL;
+    char *name = argv[place];
+    memmove(argv + 1, argv, (size_t)place * sizeof *argv);
+    argv[0] = name;
+    return command;
+}
+
 int main(int argc, char **argv) {
-    const Command *command = argc > 1 ? command_find(argv[1]) : NULL;
+    int count = argc > 1 ? argc - 1 : 0;
+    const Command *command = take_command(count, argv + 1);
     bool typed = command != NULL;
     if (!typed)
         command = command_find("fly");
-    int skipped = typed ? 2 : 1;
-    Result result = run_command(command, typed, argc > skipped ? argc - skipped : 0, argv + skipped);
+    Result result = run_command(command, typed, count - typed, argv + 1 + typed);
     return result == RESULT_OK ? 0 : result == RESULT_USAGE ? 2 : 1;
 }

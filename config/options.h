@@ -78,6 +78,9 @@ void options_destroy(Options **options);
 // the value is not of the type or outside the range; the message says what was expected.
 MUST_USE Result options_set(Options *options, OptionId id, const char *text, OptionSource source, const char *where);
 
+// How many of the arguments come before the first that is neither an option of any subcommand nor the value of one: the
+// subcommand's place, if there is one. Says nothing about what is wrong.
+int options_count_leading(int argc, char *const *argv);
 // Reads the command line after the subcommand's name. USAGE with the nearest valid name.
 MUST_USE Result options_read_arguments(Options *options, int argc, char *const *argv);
 // Reads OVERFLY_* from `environment` ("NAME=value", NULL at the end); unknown OVERFLY_* names are a warning.

@@ -99,6 +99,36 @@ static Result read_short(Reading *reading, const char *argument) {
     return RESULT_OK;
 }
 
+static bool takes_next(int id, bool attached) {
+    return id >= 0 && !is_flag(id) && !attached;
+}
+
+// Whether the argument after this option is its value.
+static bool option_takes_next(const char *option) {
+    char name[64];
+    if (option[1] == '-') {
+        size_t length = strcspn(option + 2, "=");
+        snprintf(name, sizeof name, "%.*s", (int)length, option + 2);
+        return takes_next(option_find(name, COMMANDS_ALL), option[2 + length] == '=');
+    }
+    for (const char *letter = option + 1; *letter; letter++) {
+        int id = find_letter(*letter, COMMANDS_ALL);
+        if (id < 0 || !is_flag(id))
+            return takes_next(id, letter[1] != '\0');
+    }
+    return false;
+}
+
+int options_count_leading(int argc, char *const *argv) {
+    int count = 0;
+    while (count < argc && argv[count][0] == '-' && argv[count][1] != '\0') {
+        if (strcmp(argv[count], "--") == 0)
+            return argc; // all others are no subcommand
+        count += option_takes_next(argv[count]) ? 2 : 1;
+    }
+    return count < argc ? count : argc;
+}
+
 Result options_read_arguments(Options *options, int argc, char *const *argv) {
     Reading reading = {options, options_command(options), argc, 0, argv};
     bool only_positionals = false;

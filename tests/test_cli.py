@@ -138,6 +138,19 @@ def wrong_usage_is_exit_2(cli):
     cli.refused(2, "OVERFLY_FOV", "fly", "--no-window", "--frames", "1", OVERFLY_FOV="wide")
 
 
+def options_may_come_before_the_subcommand(cli):
+    """Values of options are no subcommands; what follows the subcommand is read as ever."""
+    for leading in (["-q"], ["-q", "--json"], ["--tau", "2", "-qv"], ["--tau=2"], ["-t2"], ["--no-quiet"]):
+        run = cli.run(*leading, "config", "snapshot")
+        expect(f"exit status of {leading}", run.code, 0)
+        expect_in(f"config after {leading}", "wireframe", run.out)
+    cli.refused(2, "-o FILE.png", "-q", "snapshot")
+    cli.refused(2, "unexpected argument", "-q", "config", "fly", "again")
+    cli.refused(2, "not to this subcommand", "--cull", "snapshot", "-o", "x.png")
+    cli.refused(2, "neither a file nor a subcommand", "--no-window", "--frames", "1", "--", "mesh")
+    cli.refused(2, "ends in .png", "--output", "mesh", "snapshot")
+
+
 def a_damaged_file_is_named_with_its_line(cli):
     path = cli.write("config/overfly/overfly.conf", "# mine\ntau = 2\nfov = wide\n")
     cli.refused(2, f"{path}:3: fov: expected an angle", "snapshot", "-o", "x.png")
@@ -342,7 +355,7 @@ def a_full_disk_is_an_error(cli):
 
 
 CASES = [help_is_instant_and_complete, help_comes_even_with_a_damaged_file, wrong_usage_is_exit_2,
-         a_damaged_file_is_named_with_its_line, sources_win_in_order, missing_files_are_named,
+         options_may_come_before_the_subcommand, a_damaged_file_is_named_with_its_line, sources_win_in_order, missing_files_are_named,
          a_wrong_image_is_refused_in_one_message, image_bounds_without_an_image_are_wrong_usage,
          an_image_beside_the_terrain_is_warned_of, an_eye_under_the_ground_is_warned_of,
          missing_files_are_named_before_a_window_is_wanted, info_names_every_file, overlapping_files_are_warned_of,
