@@ -279,6 +279,8 @@ void methods_judge(Methods *methods, int index, Result result, double refine_ms)
     methods->changes.changes++;
     longest(&methods->changes.longest_create_ms, half->current->create_ms);
     longest(&methods->changes.longest_first_refine_ms, refine_ms);
+    log_debug("%s: %s, created in %.1f ms, first refined in %.1f ms", index ? "right half" : "left half",
+              lod_method_name(half->current->method), half->current->create_ms, refine_ms);
 }
 
 void methods_leave(Methods *methods, int index) {

@@ -76,6 +76,9 @@ land() {
     [ "$status" -eq 0 ] || give_up "expected exit status 0 after Esc, found $status"
 }
 
+# Whether the flight's log, with -v, has a line that begins so, for the COUNTth time (1 if not given).
+has_said() { [ "$(grep -c "$1" "$work/log")" -ge "${2-1}" ]; }
+
 # A value of the last flight's report.
 value() { sed -n 's/^[[:space:]]*"'"$1"'":[[:space:]]*"\{0,1\}\([^",]*\).*/\1/p' "$work/report" | head -n 1; }
 
@@ -160,14 +163,15 @@ expect wireframe '==' true
 expect colouring '==' level
 expect window '==' true
 
-take_off "left, less throttle" --size 640x400
+take_off "left, less throttle" --size 640x400 -v
 press T h x m
+wait_for 30 has_said "left half: patch" || give_up "m brought no other method"
 hold 0.5 Left Next
 land
 expect bank_deg '<' -5
 expect throttle '<' "$(awk "BEGIN { print $throttle - 0.05 }")"
 expect tau_px '>' 1.2
-expect method '==' brute
+expect method '==' patch
 expect numbers '==' false
 expect hud '==' true
 expect fov_deg '<' 60
@@ -195,6 +199,40 @@ press p h
 expect_resized 900 600
 expect_resized 480 520
 land
+
+methods="hybrid patch roam roam-parallel geomipmap geomipmap-ye diamond brute"
+take_off "all methods" --size 640x400 -v
+for method in ${methods#hybrid } hybrid; do
+    press m
+    wait_for 60 has_said "left half: $method," || give_up "m did not bring $method"
+done
+press c
+wait_for 60 has_said "right half: patch," || give_up "c brought no second method"
+for method in ${methods#hybrid patch } hybrid; do
+    press M
+    wait_for 60 has_said "right half: $method," || give_up "M did not bring $method"
+done
+press c l l m c
+wait_for 60 has_said "right half: roam," 2 || give_up "c brought no second method again"
+sleep 0.5
+land
+expect method '==' patch
+expect compare '==' true
+expect colouring '==' cache
+expect method_changes '==' 18
+expect method_refusals '==' 0
+expect frames_compared '>=' 8
+for method in $methods; do
+    expect "$method" '>=' 1
+done
+# What a frame takes without a change, several times over, for a machine that has other things to do.
+expect longest_frame_ms '<' "$(awk "BEGIN { print $(value longest_first_refine_ms) + 8 * $(value p50) + 300 }")"
+
+take_off "compared from the start" --size 640x400 --compare brute
+press m M m c
+land
+expect compare_wanted '==' false
+expect method_refusals '==' 0
 
 echo "$faults values were not as expected"
 [ "$faults" -eq 0 ]
