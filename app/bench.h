@@ -6,9 +6,10 @@
 #include "base/base.h"
 #include "config/options.h"
 
-// `overfly bench preprocess` and `overfly bench refine`.
+// `overfly bench preprocess`, `overfly bench refine`, `overfly bench partitions`.
 MUST_USE Result bench_preprocess(const Options *options);
 MUST_USE Result bench_refine(const Options *options);
+MUST_USE Result bench_partitions(const Options *options);
 
 // The machine this runs on.
 typedef struct BenchMachine {

@@ -10,7 +10,10 @@ Result cmd_bench(const Options *options) {
         return bench_preprocess(options);
     if (strcmp(kind, "refine") == 0)
         return bench_refine(options);
-    log_error("bench: expected 'preprocess' or 'refine', found '%s'; for example: overfly bench refine --tau 1 --json",
+    if (strcmp(kind, "partitions") == 0)
+        return bench_partitions(options);
+    log_error("bench: expected 'preprocess', 'refine' or 'partitions', found '%s'; for example: overfly bench refine "
+              "--tau 1 --json",
               kind);
     return RESULT_USAGE;
 }

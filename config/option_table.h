@@ -94,6 +94,8 @@
       "at the start (80m/s, 120kt); measuring: 100m/s if not given")                                                   \
     X(HEIGHT, "height", 0, LENGTH, "LENGTH", "500", 1, 1e7, NULL, COMMAND_BENCH, "of the flight above the ground")     \
     X(SIDES, "sides", 0, TEXT, "LIST", "1025,2049,4097", 0, 0, NULL, COMMAND_BENCH, "samples a side to preprocess")    \
+    X(VERTICES, "vertices", 0, INTEGER, "N", "100000", 10, 100000000, NULL, COMMAND_BENCH,                             \
+      "partitions: refine for so many, unless --tau is given")                                                         \
     X(ROUNDS, "rounds", 0, INTEGER, "N", "5", 1, 1000, NULL, COMMAND_BENCH, "of each measurement, interleaved")        \
     X(SCREENSHOT, "screenshot", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMAND_FLY, "write the last frame as PNG")         \
     X(PICTURES, "pictures", 0, PATH, "DIR", NULL, 0, 0, NULL, COMMAND_FLY, "write pictures of the flight as PNG")      \
