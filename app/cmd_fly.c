@@ -1,4 +1,5 @@
 #include "app/command.h"
+#include "app/compute.h"
 #include "app/flight_loop.h"
 #include "app/flight_report.h"
 #include "app/picture.h"
@@ -67,7 +68,8 @@ static Result start_pipeline(Fly *fly) {
                                 .terrain = fly->world.terrain,
                                 .jobs = fly->world.jobs,
                                 .context = fly->context};
-    return pipeline_create(&pipeline, &fly->pipeline);
+    Result result = compute_choose(fly->options, fly->context, pipeline.terrain, &pipeline.lod.resident);
+    return result == RESULT_OK ? pipeline_create(&pipeline, &fly->pipeline) : result;
 }
 
 static Result fly_loop(Fly *fly) {

@@ -1,4 +1,5 @@
 #include "app/command.h"
+#include "app/compute.h"
 #include "app/flight_settings.h"
 #include "app/json.h"
 #include "app/picture.h"
@@ -65,7 +66,8 @@ static Result start_pipeline(Snapshot *snapshot) {
     pipeline.render.measure_times = true;
     if (pipeline.render.samples == 0)
         pipeline.render.samples = SAMPLES;
-    return pipeline_create(&pipeline, &snapshot->pipeline);
+    Result result = compute_choose(snapshot->options, snapshot->context, pipeline.terrain, &pipeline.lod.resident);
+    return result == RESULT_OK ? pipeline_create(&pipeline, &snapshot->pipeline) : result;
 }
 
 // `ms`: refining, uploading, drawing.

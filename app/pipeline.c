@@ -221,6 +221,7 @@ Result pipeline_create(const PipelineOptions *options, Pipeline **out) {
         return RESULT_MEMORY;
     }
     p->options = *options;
+    p->options.render.lockstep = !options->threaded;
     pthread_mutex_init(&p->lock, NULL);
     pthread_cond_init(&p->changed, NULL);
     Result result = create_packets(p);

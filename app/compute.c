@@ -1,0 +1,24 @@
+#include "app/compute.h"
+
+#include "base/log.h"
+#include "render/diamond/diamond_gpu.h"
+
+typedef enum ComputeChoice { COMPUTE_AUTO, COMPUTE_GPU, COMPUTE_CPU } ComputeChoice; // as --compute lists them
+
+Result compute_choose(const Options *options, Context *context, const Terrain *terrain, bool *resident) {
+    ComputeChoice choice = (ComputeChoice)options_choice(options, OPTION_COMPUTE);
+    const char *why = NULL;
+    *resident = false;
+    if (choice == COMPUTE_CPU || (choice == COMPUTE_AUTO && context_is_software(context)))
+        return RESULT_OK;
+    Result result = context_make_current(context);
+    if (result != RESULT_OK)
+        return result;
+    *resident = diamond_gpu_check(terrain, &why) == RESULT_OK;
+    context_release_current(context);
+    if (!*resident && choice == COMPUTE_GPU)
+        log_warn("--compute gpu: %s; diamonds are computed on the processor instead", why);
+    else if (!*resident)
+        log_debug("diamonds are computed on the processor: %s", why);
+    return RESULT_OK;
+}

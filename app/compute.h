@@ -1,0 +1,12 @@
+// app/compute.h: whether a method that can work on the GPU does: --compute.
+// No units.
+// Nothing owned.
+#pragma once
+#include "config/options.h"
+#include "render/context.h"
+#include "terrain/terrain.h"
+
+// `resident` for LodOptions: auto chooses the GPU where there is one. Where the driver's limits forbid it, a message
+// says so and the processor does the work. The context is current nowhere before and after. DEVICE: it cannot be made
+// current.
+MUST_USE Result compute_choose(const Options *options, Context *context, const Terrain *terrain, bool *resident);
