@@ -1,5 +1,6 @@
-// terrain/lod/budget.h: raise the tolerance until a cut keeps its triangle budget, and lower it again when there is
-// room. Tolerances in pixels. Values; nothing owned.
+// terrain/lod/budget.h: raise the tolerance until a cut keeps its triangle budget; lower it again when there is room.
+// Tolerances in pixels.
+// Values; nothing owned.
 #pragma once
 #include "terrain/lod/lod.h"
 
