@@ -1,7 +1,6 @@
-// terrain/lod/lod_patch_seam.h: where static patches meet the remainder: which patches split, and which vertices of the
-// remainder are active, so that both agree along their border.
+// terrain/lod/lod_patch_seam.h: where static patches meet the remainder: what splits and what is active, on both sides.
 // Columns and rows in samples; sides and steps in cells.
-// A PatchSeam owns its tables and borrows the Terrain; one thread at a time, but for seam_is_active and seam_is_static.
+// Owns its tables, borrows the Terrain; one thread at a time, but for seam_is_active, seam_is_static, seam_is_touched.
 #pragma once
 #include "terrain/patches/patch_select.h"
 #include "terrain/squares/square_grid.h"
