@@ -73,21 +73,9 @@ static void name_picture(FlightLoop *loop, int64_t index, FrameOrder *order) {
     }
 }
 
-// A method that could not come, and what is flown with instead.
-static void say_refusal(FlightLoop *loop, const PipelineStats *stats) {
-    const MethodChanges *changes = &stats->changes;
-    if (changes->refusals == loop->refusals_said)
-        return;
-    char message[PIPELINE_MESSAGE_BYTES];
-    snprintf(message, sizeof message, "%s: %s; flying on with %s", lod_method_name(changes->refused),
-             result_text(changes->refusal), lod_method_name(stats->cut.method));
-    session_say(loop->session, message);
-    loop->refusals_said = changes->refusals;
-}
-
 static void make_order(FlightLoop *loop, int64_t index, FrameOrder *order) {
     PipelineStats stats = pipeline_stats(loop->pipeline);
-    say_refusal(loop, &stats);
+    session_hear_changes(loop->session, &stats.changes, stats.cut.method);
     session_order(loop->session, loop->width, loop->height, stats.frame_ms, stats.frame_p99_ms, order);
     if (index >= 0)
         name_picture(loop, index, order);

@@ -17,7 +17,6 @@ typedef struct FlightLoop {
     const char *screenshot; // path of the last frame's picture, or NULL
     const char *pictures;   // folder, or NULL
     int picture_count;
-    int64_t refusals_said;  // of MethodChanges; set by flight_loop_run
     int64_t picture_frames; // that the pictures are spread over; set by flight_loop_run
     int width, height;
 } FlightLoop;

@@ -84,6 +84,16 @@ void session_say(FlightSession *session, const char *message) {
     session->message_s = SESSION_MESSAGE_S;
 }
 
+void session_hear_changes(FlightSession *session, const MethodChanges *changes, LodMethod shown) {
+    if (changes->refusals == session->refusals_said)
+        return;
+    char message[PIPELINE_MESSAGE_BYTES];
+    snprintf(message, sizeof message, "%s: %s; flying on with %s", lod_method_name(changes->refused),
+             result_text(changes->refusal), lod_method_name(shown));
+    session_say(session, message);
+    session->refusals_said = changes->refusals;
+}
+
 static void take_over(FlightSession *session, const char *why) {
     session->demo_flies = false;
     keyboard_set_throttle(&session->keyboard, session->flight.state.throttle);

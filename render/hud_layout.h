@@ -23,8 +23,9 @@ typedef struct HudLayout {
     CanvasRect speed_notes, altitude_notes; // two lines below
     CanvasRect panel;                       // room for HUD_PANEL_ROWS; empty when not asked for, or no room
     CanvasRect legend;                      // as large, in the other corner; of a split picture the right half's panel
-    CanvasRect legend_low;                  // where the legend of a split picture finds room; empty: nowhere
-    CanvasRect note;                        // "paused"
+    CanvasRect
+        legend_low;  // where the left legend of a split picture finds room, the right one mirrored; empty: nowhere
+    CanvasRect note; // "paused"
     CanvasRect message;
     CanvasRect help; // the most that the page of keys may take
 } HudLayout;

@@ -4,11 +4,12 @@
 #include <math.h>
 #include <stdio.h>
 
-#define ENTRIES_MAX 12 // of levels and partitions; more of them repeat what the first ones show
+#define NUMBERS 256 // of levels, and of partitions
 
 typedef struct Legend {
     const char *title, *entry; // `entry`: with the number after it
-    int first, count;
+    int count;
+    uint8_t numbers[NUMBERS]; // that occur, ascending
 } Legend;
 
 bool hud_wants_legend(const RenderPacket *packet) {
@@ -34,27 +35,15 @@ static CanvasColour cycle_colour(int n) {
     return swatch_of(albedo);
 }
 
-// The numbers that occur among a cut's patches, and those from before.
-static void widen(Legend *legend, const LodCut *cut, bool levels) {
-    int least = legend->first, end = legend->first + legend->count;
-    for (int32_t i = 0; i < cut->item_count; i++) {
-        const LodItem *item = &cut->items[i];
-        int n = levels ? item->level : item->partition;
-        least = end == 0 || n < least ? n : least;
-        end = n >= end ? n + 1 : end;
-    }
-    legend->first = least;
-    legend->count = end - least;
-}
-
-// Of both cuts, where there are two: the same colour means the same in both.
-static Legend legend_of(const RenderPacket *packet) {
-    bool levels = packet->colouring == RENDER_COLOUR_LEVEL;
-    Legend legend = {levels ? "level in its tile" : "partition", levels ? "level" : "partition", 0, 0};
-    widen(&legend, &packet->cut, levels);
-    if (packet->split)
-        widen(&legend, &packet->right, levels);
-    legend.count = legend.count < ENTRIES_MAX ? legend.count : ENTRIES_MAX;
+// The numbers that occur among a cut's patches.
+static Legend legend_of(const LodCut *cut, bool levels) {
+    Legend legend = {.title = levels ? "level in its tile" : "partition", .entry = levels ? "level" : "partition"};
+    bool occurs[NUMBERS] = {false};
+    for (int32_t i = 0; i < cut->item_count; i++)
+        occurs[(levels ? cut->items[i].level : cut->items[i].partition) % NUMBERS] = true;
+    for (int n = 0; n < NUMBERS; n++)
+        if (occurs[n])
+            legend.numbers[legend.count++] = (uint8_t)n;
     return legend;
 }
 
@@ -64,14 +53,13 @@ typedef struct Plate {
     int rows;
 } Plate;
 
-static Plate plate_of(const HudPainter *painter, const RenderPacket *packet, int rows) {
+// `low`: its lower edge stays.
+static Plate plate_of(const HudPainter *painter, CanvasRect room, bool low, int rows) {
     const HudLayout *layout = &painter->layout;
-    CanvasRect room = packet->split ? layout->legend_low : layout->legend;
     float inset = 16.0f * layout->unit;
     int most = (int)((room.y1 - room.y0 - inset) / layout->row_px) - 1;
     rows = rows < most ? rows : most;
-    float height = (float)(rows + 1) * layout->row_px + inset;
-    float top = packet->split ? room.y1 - height : room.y0;
+    float height = (float)(rows + 1) * layout->row_px + inset, top = low ? room.y1 - height : room.y0;
     return (Plate){{room.x0, top, room.x1, top + height}, rows};
 }
 
@@ -101,20 +89,24 @@ static void paint_states(const HudPainter *painter, const Plate *plate) { // the
     paint_entry(painter, plate, 3, swatch_of(UPLOADED), "uploaded now");
 }
 
+// Where not all have room, the last ones: the levels close to the eye.
 static void paint_numbered(const HudPainter *painter, const Plate *plate, const Legend *legend) {
-    for (int i = 0; i < legend->count; i++) {
+    int skipped = legend->count - plate->rows;
+    for (int row = 1; row <= plate->rows; row++) {
         char text[32];
-        int n = legend->first + i;
+        int n = legend->numbers[skipped + row - 1];
         snprintf(text, sizeof text, "%s %d", legend->entry, n);
-        paint_entry(painter, plate, i + 1, cycle_colour(n), text);
+        paint_entry(painter, plate, row, cycle_colour(n), text);
     }
 }
 
-void hud_paint_legend(const HudPainter *painter, const RenderPacket *packet) {
+static void paint_cut(const HudPainter *painter, const LodCut *cut, RenderColouring colouring, CanvasRect room,
+                      bool low) {
     const HudLayout *layout = &painter->layout;
-    bool states = packet->colouring == RENDER_COLOUR_CACHE;
-    Legend legend = states ? (Legend){.title = "patches in this frame", .count = 3} : legend_of(packet);
-    Plate plate = plate_of(painter, packet, legend.count);
+    bool states = colouring == RENDER_COLOUR_CACHE;
+    Legend legend = states ? (Legend){.title = "patches in this frame", .count = 3}
+                           : legend_of(cut, colouring == RENDER_COLOUR_LEVEL);
+    Plate plate = plate_of(painter, room, low, legend.count);
     if (plate.rows < 0)
         return;
     // Before its entries, whose boxes lie on it.
@@ -126,4 +118,15 @@ void hud_paint_legend(const HudPainter *painter, const RenderPacket *packet) {
         paint_states(painter, &plate);
     else
         paint_numbered(painter, &plate, &legend);
+}
+
+void hud_paint_legend(const HudPainter *painter, const RenderPacket *packet) {
+    const HudLayout *layout = &painter->layout;
+    if (!packet->split) {
+        paint_cut(painter, &packet->cut, packet->colouring, layout->legend, false);
+        return;
+    }
+    CanvasRect left = layout->legend_low, right = {layout->width - left.x1, left.y0, layout->width - left.x0, left.y1};
+    paint_cut(painter, &packet->cut, packet->colouring, left, true);
+    paint_cut(painter, &packet->right, packet->colouring, right, true);
 }

@@ -92,7 +92,7 @@ static void add_partitions(Rows *rows, const LodStats *stats) {
     if (stats->partitions > 0)
         add_number(rows, "partitions", stats->partitions, 0, "");
     if (stats->balance > 0.0)
-        add_number(rows, "longest / mean", stats->balance, 2, "");
+        add_number(rows, "balance", stats->balance, 2, "");
 }
 
 static void add_times(Rows *rows, const Side *side, bool software) {

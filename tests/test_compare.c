@@ -96,7 +96,7 @@ static FrameOrder order_at(double along, LodMethod method) {
     return order;
 }
 
-static Pipeline *start(bool threaded, LodMethod method) {
+static Pipeline *start_with(bool threaded, LodMethod method, int tile_side) {
     PipelineOptions options = {.threaded = threaded,
                                .lod = lod_default_options(),
                                .render = render_default_options(),
@@ -104,6 +104,7 @@ static Pipeline *start(bool threaded, LodMethod method) {
                                .jobs = world.jobs,
                                .context = world.context};
     options.lod.method = method;
+    options.lod.tile_side = tile_side;
     options.render.width = WIDTH;
     options.render.height = HEIGHT;
     options.render.samples = 1;
@@ -223,6 +224,10 @@ static void two_cuts_need_not_fit_into_the_memory_together(void **state) {
 
 // ---- the pipeline goes through all methods ----
 
+static Pipeline *start(bool threaded, LodMethod method) {
+    return start_with(threaded, method, lod_default_options().tile_side);
+}
+
 typedef struct Expected {
     LodMethod method; // what is to be shown
     int64_t changes, refusals;
@@ -337,6 +342,35 @@ static void with_threads_methods_change_while_frames_go_on(void **state) {
     pipeline_destroy(&pipeline);
 }
 
+// Tiles that no method can have: the flight goes on with what it has, and with the next method that can be created.
+static void a_method_that_cannot_be_created_leaves_the_present_one(void **state) {
+    (void)state;
+    for (int threaded = 0; threaded < 2; threaded++) {
+        Pipeline *pipeline = start_with(threaded, LOD_HYBRID, 4);
+        FrameOrder order = order_at(0.5, LOD_GEOMIPMAP);
+        order.compare = true;
+        order.right = LOD_GEOMIPMAP_YE;
+        Heard heard;
+        heard_begin(&heard);
+        int64_t end_ns = clock_now_ns() + WAIT_NS;
+        PipelineStats stats;
+        do {
+            assert_int_equal(pipeline_submit(pipeline, &order, true), RESULT_OK);
+            stats = pipeline_stats(pipeline);
+            assert_true(stats.cut.method == LOD_HYBRID && !stats.split);
+        } while (stats.changes.refusals < 2 && clock_now_ns() < end_ns);
+        for (int i = 0; i < 5; i++) // it is not tried again and again
+            assert_int_equal(pipeline_submit(pipeline, &order, true), RESULT_OK);
+        heard_end();
+        stats = pipeline_stats(pipeline);
+        assert_int_equal(stats.changes.refusals, 2);
+        assert_true(stats.changes.refusal != RESULT_OK);
+        order.method = order.right = LOD_BRUTE;
+        fly_until_shown(pipeline, &order, 2);
+        pipeline_destroy(&pipeline);
+    }
+}
+
 // The flight ends while a method is being created.
 static void leaving_in_the_middle_of_a_change_is_clean(void **state) {
     (void)state;
@@ -359,6 +393,7 @@ int main(void) {
         cmocka_unit_test(in_lockstep_the_next_frame_has_the_method),
         cmocka_unit_test(in_lockstep_all_methods_are_compared),
         cmocka_unit_test(with_threads_methods_change_while_frames_go_on),
+        cmocka_unit_test(a_method_that_cannot_be_created_leaves_the_present_one),
         cmocka_unit_test(leaving_in_the_middle_of_a_change_is_clean),
     };
     if (!gl_support_begin(WIDTH, HEIGHT, &world.context))

@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include "app/demo.h"
+#include "app/flight_session.h"
 #include "app/flight_settings.h"
 #include "app/frame_times.h"
 #include "base/paths.h"
@@ -178,6 +179,23 @@ static void keys_change_what_they_say(void **state) {
     assert_string_equal(message, "");
 }
 
+static void a_method_that_cannot_come_is_told_once(void **state) {
+    (void)state;
+    FlightSession session = {.settings = default_settings()};
+    MethodChanges changes = {.changes = 3};
+    session_hear_changes(&session, &changes, LOD_PATCH);
+    assert_string_equal(session.message, "");
+    changes.refusals = 1;
+    changes.refused = LOD_ROAM;
+    changes.refusal = RESULT_MEMORY;
+    session_hear_changes(&session, &changes, LOD_PATCH);
+    assert_string_equal(session.message, "roam: out of memory; flying on with patch");
+    assert_true(session.message_s > 0.0);
+    session_say(&session, "something else");
+    session_hear_changes(&session, &changes, LOD_PATCH);
+    assert_string_equal(session.message, "something else");
+}
+
 static bool hilly_ground(void *user, double lat_rad, double lon_rad, double *h_m) {
     (void)user;
     *h_m = 600.0 + 500.0 * sin(lat_rad * 3000.0) * cos(lon_rad * 2500.0);
@@ -264,6 +282,7 @@ int main(void) {
         cmocka_unit_test(presses_come_in_order_and_shift_matters),
         cmocka_unit_test(every_action_has_keys_and_help),
         cmocka_unit_test(keys_change_what_they_say),
+        cmocka_unit_test(a_method_that_cannot_come_is_told_once),
         cmocka_unit_test(the_corner_of_a_picture_sees_smaller_angles),
         cmocka_unit_test(a_demo_reaches_its_places_without_touching_the_ground),
         cmocka_unit_test(broken_demos_are_refused_with_file_and_line),
