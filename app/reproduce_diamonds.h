@@ -8,6 +8,7 @@
 #include "terrain/diamond/diamond.h"
 
 #define DIAMONDS_VIEWS_MAX 64
+#define DIAMONDS_CLOSURES 5 // of all bits
 
 // What is timed: a model without errors, a criterion, and views round a circuit.
 typedef struct Diamonds {
@@ -30,7 +31,7 @@ typedef enum DiamondsPhase {
 
 typedef struct DiamondsTimes {
     double generation_ms, root_ms, deepest_ms; // all depths; the root diamond; the finest depth
-    double closure_max_ms;                     // of bits that are all set
+    double closure_max_ms;                     // of bits that are all set, median
     double p50_ms[DIAMONDS_PHASE_COUNT], p99_ms[DIAMONDS_PHASE_COUNT];
     double triangles; // mean
 } DiamondsTimes;

@@ -86,9 +86,10 @@ typedef struct Flight {
     int side, views;
     Terrain *terrain;
     Circuit circuit;
-    Race race; // of what is drawn
+    bool has_shaders; // the phases ran as compute shaders too: the row before the last is theirs
+    Race race;        // of what is drawn
 } Flight;
-enum { DYNAMIC, STATIC };
+enum { WORKERS, STATIC, SHADERS };
 
 static void set_figures(ReportCell *row, const FiguresDiamond *figures) {
     if (!figures)
@@ -149,10 +150,11 @@ static Result make_diamonds(const Flight *flight, DiamondModel *model, Diamonds 
 }
 
 // What the GPU has no room for is left out, not a failure.
-static Result time_on_gpu(const Flight *flight, Diamonds *diamonds, ReportTable *table) {
+static Result time_on_gpu(Flight *flight, Diamonds *diamonds, ReportTable *table) {
     Reproduce *run = flight->run;
     DiamondsTimes times;
     const char *why;
+    flight->has_shaders = false;
     if (!run->context)
         return RESULT_OK;
     Result result = diamonds_time_gpu(diamonds, run->context, &times, &why);
@@ -162,10 +164,11 @@ static Result time_on_gpu(const Flight *flight, Diamonds *diamonds, ReportTable 
     }
     if (result != RESULT_OK)
         return result;
+    flight->has_shaders = true;
     return add_row(flight, context_is_software(run->context) ? "shaders (CPU)" : "shaders (GPU)", &times, table);
 }
 
-static Result time_model(const Flight *flight, DiamondModel *model, ReportTable *table) {
+static Result time_model(Flight *flight, DiamondModel *model, ReportTable *table) {
     Diamonds diamonds;
     DiamondsTimes times;
     Result result = make_diamonds(flight, model, &diamonds);
@@ -185,23 +188,33 @@ static bool is_drawn(Flight *flight) {
     return false;
 }
 
-// The whole path of a frame, as `fly` has it: diamonds in the renderer's shaders where the renderer is hardware; static
-// is every sample.
-static Result draw(Flight *flight, ReportTable *table) {
+static Result enter_racers(Flight *flight) {
     LodOptions dynamic = reproduce_lod_options(LOD_DIAMOND), all = reproduce_lod_options(LOD_BRUTE);
-    if (!is_drawn(flight))
-        return RESULT_OK;
-    dynamic.resident = !context_is_software(flight->run->context);
     race_begin(flight->terrain, 1, &flight->race);
     Result result = race_enter(&flight->race, &dynamic, flight->run->all);
     if (result == RESULT_OK)
         result = race_enter(&flight->race, &all, flight->run->all);
+    dynamic.resident = true;
+    return result == RESULT_OK && flight->has_shaders ? race_enter(&flight->race, &dynamic, flight->run->all) : result;
+}
+
+static void set_drawn(ReportCell *row, const Race *race, int dynamic) {
+    row[COL_DYNAMIC_FPS] = report_number(race_drawn_fps(race, dynamic));
+    row[COL_STATIC_FPS] = report_number(race_drawn_fps(race, STATIC));
+}
+
+// The whole path of a frame, as `fly` has it; static is every sample.
+static Result draw(Flight *flight, ReportTable *table) {
+    if (!is_drawn(flight))
+        return RESULT_OK;
+    Result result = enter_racers(flight);
     if (result == RESULT_OK)
         result = reproduce_draw(flight->run, &flight->race, &flight->circuit, WIDTH, HEIGHT, TAU_PX, 0.0,
                                 1.0 / flight->views);
     ReportCell *row = table->cells + (size_t)table->column_count * (size_t)(table->row_count - 1);
-    row[COL_DYNAMIC_FPS] = report_number(race_drawn_fps(&flight->race, DYNAMIC));
-    row[COL_STATIC_FPS] = report_number(race_drawn_fps(&flight->race, STATIC));
+    set_drawn(row, &flight->race, WORKERS);
+    if (flight->has_shaders)
+        set_drawn(row - table->column_count, &flight->race, SHADERS);
     race_end(&flight->race);
     return result;
 }
