@@ -20,6 +20,13 @@ typedef struct DiamondTerms {
     float edge_drift, centre_drift; // a metre of height range among the corners: the vertical turns over the diamond
 } DiamondTerms;
 
+// A bound for consecutive super-squares: a sphere around all that their diamonds may draw, but for what errors add.
+#define DIAMOND_RUN 64 // super-squares
+typedef struct DiamondRun {
+    float x, y, z, radius_m;
+    float error_m; // the largest that is not infinite; -1: no diamond to ask about
+} DiamondRun;
+
 typedef struct DiamondModel {
     uint64_t id; // the renderer's key; of two models it draws, no two are equal
     const Terrain *terrain;
@@ -30,6 +37,10 @@ typedef struct DiamondModel {
     // By diamond_entry; 0 for samples outside the DEM.
     float *x, *y, *z; // [DIAMOND_SLOTS * word_count]
     float *error_m;   // [DIAMOND_SLOTS * word_count], INFINITY where always split; NULL until diamond_generate_errors
+    // Of each plane's words, DIAMOND_RUN at a time; NULL until diamond_generate_errors. Only the processor's side
+    // skips by them what the tolerance can not split.
+    DiamondRun *runs;
+    uint32_t run_first[DIAMOND_LEVEL_MAX + 1]; // of each plane, and their number
     // Greatest distance of a diamond's corners from its vertex, in each super-square: [word] of its centres,
     // [word_count + word] of its edge midpoints. Rounded up, position_slack_m included.
     float *reach_m;

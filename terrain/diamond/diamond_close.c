@@ -116,9 +116,14 @@ void diamond_fill(const DiamondModel *model, uint32_t *bits) {
     memcpy(bits, model->valid, sizeof *bits * model->layout.word_count);
 }
 
+SIMD_CLONES
+static uint32_t count_words(const uint32_t *restrict bits, uint32_t count) {
+    uint32_t sum = 0;
+    for (uint32_t i = 0; i < count; i++)
+        sum += diamond_popcount(bits[i]);
+    return sum;
+}
+
 int64_t diamond_count(const DiamondModel *model, const uint32_t *bits) {
-    int64_t count = 0;
-    for (uint32_t i = 0; i < model->layout.word_count; i++)
-        count += __builtin_popcount(bits[i]);
-    return count;
+    return count_words(bits, model->layout.word_count);
 }

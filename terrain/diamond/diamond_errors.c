@@ -247,6 +247,8 @@ Result diamond_generate_errors(DiamondModel *model, Jobs *jobs, int64_t *depth_n
             depth_ns[depth] = clock_now_ns() - begin;
     }
     progress_end(&progress);
+    if (diamond_runs_create(model, jobs) != RESULT_OK)
+        goto fail;
     return RESULT_OK;
 fail:
     log_error("diamonds: not enough memory for the errors of %d x %d samples", model->layout.width,

@@ -1,5 +1,5 @@
 // Yalcin, Weiss, De Floriani 2011, section 6: the selection criterion asked of every diamond in one pass; a word of
-// split bits a super-square. Our own: the criterion is a program over blocks of super-squares, an operation at a time,
+// split bits a super-square. Our own: the criterion is a program over runs of super-squares, an operation at a time,
 // a slot at a time, so that each is a loop over contiguous numbers; and the one of every flight is written out.
 #include "terrain/diamond/diamond_internal.h"
 #include "terrain/diamond/diamond_rules.h"
@@ -9,9 +9,9 @@
 #include <math.h>
 #include <string.h>
 
-#define BLOCK 512 // super-squares
 // Of what is computed with positions: roundings of 2^-24, relative to the largest coordinate.
 #define VIEW_ROUNDING 5e-7
+#define RUN_GROW 1.0002f // relative, of a bound of many diamonds beside the rounding of each
 
 // ---- the view ----
 
@@ -49,7 +49,7 @@ DiamondView diamond_view(const DiamondModel *model, const LodView *view, double 
 
 // ---- the tolerance alone ----
 
-typedef struct Numbers { // of one slot of a block
+typedef struct Numbers { // of one slot of a run
     const float *error_m, *reach_m, *x, *y, *z;
     const float *datum_m, *east_deg, *north_deg; // NULL where the model has none
     int count;
@@ -72,8 +72,8 @@ typedef struct Machine {
     const DiamondView *view;
     Numbers n;
     float level, step;
-    float square[BLOCK]; // of the distance from the eye
-    float stack[DIAMOND_STACK_MAX][BLOCK];
+    float square[DIAMOND_RUN]; // of the distance from the eye
+    float stack[DIAMOND_STACK_MAX][DIAMOND_RUN];
     int depth;
 } Machine;
 
@@ -233,8 +233,7 @@ typedef struct Evaluation {
     const DiamondProgram *program;
     const DiamondView *view;
     uint32_t *bits;
-    bool plain;                            // the tolerance alone
-    uint32_t first[DIAMOND_LEVEL_MAX + 1]; // block of each plane
+    bool plain; // the tolerance alone
 } Evaluation;
 
 static Numbers numbers_of(const DiamondModel *model, int slot, uint32_t word, int count) {
@@ -268,34 +267,36 @@ static void evaluate_program(const Evaluation *e, int plane, uint32_t word, int 
     }
 }
 
-static void evaluate_block(const Evaluation *e, uint32_t block) {
+// Whether some diamond of the run may be split by the tolerance; more than the rounding of both sides to spare.
+static bool may_split(const DiamondRun *run, const DiamondView *view) {
+    float x = run->x - view->eye[0], y = run->y - view->eye[1], z = run->z - view->eye[2];
+    float limit = view->nu * run->error_m + diamond_reach(run->error_m, run->radius_m, view->slack_m);
+    return run->error_m >= 0.0f && !((limit * limit) * RUN_GROW < diamond_distance2(x, y, z));
+}
+
+static void evaluate_run(const Evaluation *e, uint32_t run) {
     const DiamondModel *model = e->model;
-    int plane = 0;
-    while (block >= e->first[plane + 1])
-        plane++;
-    uint32_t begin = (block - e->first[plane]) * BLOCK, words = diamond_plane_words(&model->layout, plane);
-    int count = (int)(words - begin < BLOCK ? words - begin : BLOCK);
-    uint32_t word = model->layout.offset[plane] + begin;
-    uint32_t bits[BLOCK] = {0};
-    if (e->plain)
-        evaluate_plain(e, word, count, bits);
-    else
-        evaluate_program(e, plane, word, count, bits);
-    for (int i = 0; i < count; i++)
-        e->bits[word + (uint32_t)i] = (bits[i] & model->valid[word + (uint32_t)i]) | model->always[word + (uint32_t)i];
+    DiamondSpan span = diamond_run_span(model, run);
+    uint32_t bits[DIAMOND_RUN] = {0};
+    if (!e->plain)
+        evaluate_program(e, span.plane, span.begin, span.count, bits);
+    else if (!model->runs || may_split(&model->runs[run], e->view))
+        evaluate_plain(e, span.begin, span.count, bits);
+    for (int i = 0; i < span.count; i++) {
+        uint32_t word = span.begin + (uint32_t)i;
+        e->bits[word] = (bits[i] & model->valid[word]) | model->always[word];
+    }
 }
 
 static void evaluate_task(void *user, int64_t begin, int64_t end, int worker) {
     (void)worker;
-    for (int64_t block = begin; block < end; block++)
-        evaluate_block(user, (uint32_t)block);
+    for (int64_t run = begin; run < end; run++)
+        evaluate_run(user, (uint32_t)run);
 }
 
 void diamond_evaluate(const DiamondModel *model, const DiamondProgram *program, const DiamondView *view, Jobs *jobs,
                       uint32_t *bits) {
     Evaluation e = {.model = model, .program = program, .view = view, .bits = bits};
     e.plain = program->step_count == 1 && program->steps[0].op == DIAMOND_OP_TOLERANCE;
-    for (int k = 0; k < model->layout.level_count; k++)
-        e.first[k + 1] = e.first[k] + (diamond_plane_words(&model->layout, k) + BLOCK - 1) / BLOCK;
-    jobs_run(jobs, e.first[model->layout.level_count], 4, evaluate_task, &e);
+    jobs_run(jobs, diamond_run_count(model), 32, evaluate_task, &e);
 }

@@ -48,15 +48,43 @@ static Parents edge_parents(uint32_t own, uint32_t west, uint32_t north) {
                          moved(own, 7, 6) | moved(own, 13, 12) | moved(own, 15, 14)};
 }
 
-// The parents of the four centres are the midpoints of the sides of a square around the super-square.
-static Parents centre_parents(const Generation *g, uint32_t i, uint32_t j) {
+// The midpoints of the sides of a square around super-square (i, j) that are split: north, west, east, south. They are
+// in the next plane: in the super-square whose quarter this one is, and in those to its east and south.
+typedef struct Sides {
+    uint32_t north, west, east, south;
+} Sides;
+
+static Sides sides_in_next_plane(const Generation *g, uint32_t i, uint32_t j) {
+    const DiamondLayout *layout = &g->model->layout;
+    uint32_t across = layout->across[g->plane + 1], down = layout->down[g->plane + 1];
+    const uint32_t *own = g->bits + layout->offset[g->plane + 1] + (size_t)(j >> 1) * across + (i >> 1);
+    int at = (int)(8 * (j & 1) + 2 * (i & 1)); // the quarter's first bit
+    Sides sides = {.north = *own >> (at + 1) & 1, .west = *own >> (at + 4) & 1};
+    if (i & 1)
+        sides.east = (i >> 1) + 1 < across ? own[1] >> (at + 2) & 1 : 0;
+    else
+        sides.east = *own >> (at + 6) & 1;
+    if (j & 1)
+        sides.south = (j >> 1) + 1 < down ? own[across] >> (at - 7) & 1 : 0;
+    else
+        sides.south = *own >> (at + 9) & 1;
+    return sides;
+}
+
+static Sides sides_at_the_top(const Generation *g, uint32_t i, uint32_t j) {
     int s = 1 << g->plane;
     DiamondPoint nw = {(int32_t)(4 * i) << g->plane, (int32_t)(4 * j) << g->plane};
-    uint32_t n = is_split(g, (DiamondPoint){nw.col + 2 * s, nw.row});
-    uint32_t w = is_split(g, (DiamondPoint){nw.col, nw.row + 2 * s});
-    uint32_t e = is_split(g, (DiamondPoint){nw.col + 4 * s, nw.row + 2 * s});
-    uint32_t south = is_split(g, (DiamondPoint){nw.col + 2 * s, nw.row + 4 * s});
-    return (Parents){w << 5 | n << 7 | w << 13 | south << 15, n << 5 | e << 7 | south << 13 | e << 15};
+    return (Sides){.north = is_split(g, (DiamondPoint){nw.col + 2 * s, nw.row}),
+                   .west = is_split(g, (DiamondPoint){nw.col, nw.row + 2 * s}),
+                   .east = is_split(g, (DiamondPoint){nw.col + 4 * s, nw.row + 2 * s}),
+                   .south = is_split(g, (DiamondPoint){nw.col + 2 * s, nw.row + 4 * s})};
+}
+
+static Parents centre_parents(const Generation *g, uint32_t i, uint32_t j) {
+    bool top = g->plane + 1 == g->model->layout.level_count;
+    Sides s = top ? sides_at_the_top(g, i, j) : sides_in_next_plane(g, i, j);
+    return (Parents){s.west << 5 | s.north << 7 | s.west << 13 | s.south << 15,
+                     s.north << 5 | s.east << 7 | s.south << 13 | s.east << 15};
 }
 
 static uint32_t *put_triangle(const Generation *g, uint32_t *out, DiamondPoint a, DiamondPoint b, DiamondPoint c) {
@@ -107,7 +135,7 @@ static size_t put_word(const Generation *g, uint32_t i, uint32_t j, uint32_t *ou
     Parents centres = whole & DIAMOND_CENTRES ? centre_parents(g, i, j) : (Parents){0, 0};
     uint32_t first = whole & (edges.first | centres.first), second = whole & (edges.second | centres.second);
     if (!out && !halved)
-        return 3 * (size_t)(__builtin_popcount(first) + __builtin_popcount(second));
+        return 3 * (size_t)(diamond_popcount(first) + diamond_popcount(second));
     size_t count = 0;
     for (int slot = 0; slot < DIAMOND_SLOTS && (first | second | halved); slot++) {
         int bit = diamond_slot_bit(slot);

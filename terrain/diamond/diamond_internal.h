@@ -63,3 +63,34 @@ static inline void diamond_run_rows(Jobs *jobs, const DiamondLayout *layout, int
     int64_t grain = 256 / layout->across[plane] + 1;
     jobs_run(jobs, layout->down[plane], grain, task, user);
 }
+
+// Makes the model's runs, when its errors are there. MEMORY.
+MUST_USE Result diamond_runs_create(DiamondModel *model, Jobs *jobs);
+
+static inline uint32_t diamond_run_count(const DiamondModel *model) {
+    return model->run_first[model->layout.level_count];
+}
+
+// The words of one run: `begin` of `count`.
+typedef struct DiamondSpan {
+    int plane, count;
+    uint32_t begin;
+} DiamondSpan;
+
+static inline DiamondSpan diamond_run_span(const DiamondModel *model, uint32_t run) {
+    int plane = 0;
+    while (run >= model->run_first[plane + 1])
+        plane++;
+    uint32_t first = (run - model->run_first[plane]) * DIAMOND_RUN;
+    uint32_t words = diamond_plane_words(&model->layout, plane);
+    int count = (int)(words - first < DIAMOND_RUN ? words - first : DIAMOND_RUN);
+    return (DiamondSpan){plane, count, model->layout.offset[plane] + first};
+}
+
+// Of a word of split bits.
+static inline uint32_t diamond_popcount(uint32_t word) {
+    word = word - (word >> 1 & 0x5555);
+    word = (word & 0x3333) + (word >> 2 & 0x3333);
+    word = (word + (word >> 4)) & 0x0F0F;
+    return (word + (word >> 8)) & 0x1F;
+}

@@ -222,6 +222,9 @@ Result diamond_model_create(const Terrain *terrain, unsigned fields, uint64_t id
                           .height_m = dem->height_m};
     grid_geodetic(terrain->grid, 0.5 * (dem->width - 1), 0.5 * (dem->height - 1), &model.middle_lat_deg,
                   &model.middle_lon_deg);
+    for (int k = 0; k < model.layout.level_count; k++)
+        model.run_first[k + 1] =
+            model.run_first[k] + (diamond_plane_words(&model.layout, k) + DIAMOND_RUN - 1) / DIAMOND_RUN;
     Making making = {.model = &model};
     Result result = make(&making, fields, jobs);
     free_positions(&making.positions);
@@ -237,5 +240,6 @@ Result diamond_model_create(const Terrain *terrain, unsigned fields, uint64_t id
 void diamond_model_destroy(DiamondModel *model) {
     free(model->memory);
     free(model->error_m);
+    free(model->runs);
     *model = (DiamondModel){0};
 }

@@ -114,11 +114,14 @@ static void survey_row(const DiamondLayout *layout, const Region *region, int j,
     size_t at = layout->offset[region->plane] + (size_t)j * layout->across[region->plane];
     for (int i = region->c0 >> 2; i <= (region->c0 + region->side) >> 2; i++) {
         uint32_t mask = rows & columns_within(i, region->c0, region->side);
-        uint32_t split = bits[at + (size_t)i] & mask, border = rim | columns_at(i, region->c0, region->side);
+        uint32_t split = bits[at + (size_t)i] & mask;
+        if (before)
+            tally->difference |= split ^ (before[at + (size_t)i] & mask);
+        if (!split)
+            continue;
+        uint32_t border = rim | columns_at(i, region->c0, region->side);
         tally->inside += __builtin_popcount(split & ~border);
         tally->border += __builtin_popcount(split & border);
-        if (before)
-            tally->difference |= (bits[at + (size_t)i] ^ before[at + (size_t)i]) & mask;
     }
 }
 
