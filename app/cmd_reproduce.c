@@ -81,12 +81,15 @@ static Result open_run(const Options *options, Reproduce *run) {
 
 static Result deliver(Reproduce *run) {
     const char *folder = options_text(run->options, OPTION_OUTPUT_FOLDER);
-    if (folder)
-        return report_write_files(&run->report, folder);
-    if (options_flag(run->options, OPTION_JSON))
+    Result result = folder ? report_write_files(&run->report, folder) : RESULT_OK;
+    if (result == RESULT_OK && options_flag(run->options, OPTION_JSON))
         return report_write_json(&run->report, stdout);
-    report_write_text(&run->report, stdout);
-    return RESULT_OK;
+    if (!folder)
+        report_write_text(&run->report, stdout);
+    else if (result == RESULT_OK)
+        log_info("%s: the tables are in %s.md, %s.json and %s_*.csv", folder, run->report.paper, run->report.paper,
+                 run->report.paper);
+    return result;
 }
 
 static void close_run(Reproduce *run) {

@@ -1,10 +1,8 @@
 #include "app/reproduce.h"
 
-#include "base/log.h"
 #include "terrain/geodesy.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #define DRAWN_VIEWS 6
@@ -55,21 +53,4 @@ Result reproduce_draw(Reproduce *run, Race *race, const Circuit *circuit, int wi
                        .tau_px = tau_px,
                        .vram_bytes_max = VRAM_BYTES_MAX};
     return race_draw(race, &stage, views, DRAWN_VIEWS);
-}
-
-static bool is_noted(const ReportNotes *notes, const char *text) {
-    for (int i = 0; i < notes->count; i++)
-        if (strcmp(notes->text[i], text) == 0)
-            return true;
-    return false;
-}
-
-void reproduce_note_absent(Reproduce *run, const Race *race) {
-    for (int i = 0; i < race->count; i++) {
-        char text[REPORT_NOTE_BYTES];
-        snprintf(text, sizeof text, "%s: the method is not part of this program",
-                 lod_method_name(race->racers[i].options.method));
-        if (!race->racers[i].lod && !is_noted(&run->report.left_out, text))
-            report_note(&run->report.left_out, "%s", text);
-    }
 }

@@ -30,6 +30,8 @@ typedef struct Reproduce {
 
 // Each fills run->report. What loading, refining or drawing fails with; logged.
 MUST_USE Result reproduce_loeffler(Reproduce *run);
+// The first table of reproduce_loeffler.
+MUST_USE Result reproduce_preprocess(Reproduce *run);
 MUST_USE Result reproduce_biedermann(Reproduce *run);
 MUST_USE Result reproduce_yalcin(Reproduce *run);
 MUST_USE Result reproduce_ye(Reproduce *run);
@@ -45,5 +47,3 @@ double reproduce_px_per_rad(int height_px);
 // Draws a few views from `part` of the circuit on, `step` apart; nothing without a context.
 MUST_USE Result reproduce_draw(Reproduce *run, Race *race, const Circuit *circuit, int width, int height, double tau_px,
                                double part, double step);
-// Notes as left out, once, what the racers that stand still would have shown.
-void reproduce_note_absent(Reproduce *run, const Race *race);

@@ -125,7 +125,6 @@ static Result enter_racers(const Flight *flight, Race *race) {
     Result result = race_enter(race, &serial, flight->run->one);
     if (result == RESULT_OK)
         result = race_enter(race, &parallel, flight->two);
-    reproduce_note_absent(flight->run, race);
     return result;
 }
 
@@ -148,7 +147,7 @@ static Result fly_level(Flight *flight, const FiguresUncoupled *figures, ReportT
     Result result = search_tau(&flight->search, TRIANGLES_PER_VERTEX * figures->vertices, &flight->tau_px);
     if (result == RESULT_OK)
         result = enter_racers(flight, &race);
-    if (result == RESULT_OK && isfinite(flight->tau_px))
+    if (result == RESULT_OK)
         result = fly(flight, &race);
     ReportCell *row = result == RESULT_OK ? report_add_row(table) : NULL;
     if (row) {

@@ -39,8 +39,7 @@ static Result draw_views(Race *race, Renderer *renderer, const RaceStage *stage,
     Result result = RESULT_OK;
     for (int view = 0; view < count; view++)
         for (int i = 0; i < race->count && result == RESULT_OK; i++)
-            if (race->racers[i].lod)
-                result = draw_view(&race->racers[i], renderer, stage, &views[view], view > 0);
+            result = draw_view(&race->racers[i], renderer, stage, &views[view], view > 0);
     return result;
 }
 

@@ -25,7 +25,7 @@ Result race_enter(Race *race, const LodOptions *options, Jobs *jobs) {
         log_error("no memory to time %d frames", race->frames_max);
     if (result == RESULT_OK)
         result = lod_create(&racer->options, race->terrain, &racer->lod);
-    return result == RESULT_NOT_FOUND ? RESULT_OK : result;
+    return result;
 }
 
 void race_end(Race *race) {
@@ -63,8 +63,6 @@ Result race_step(Race *race, const LodView *view, bool counted) {
     for (int i = 0; i < race->count && result == RESULT_OK; i++) {
         Racer *racer = &race->racers[(race->turn + i) % race->count];
         double ms;
-        if (!racer->lod)
-            continue;
         result = racer_refine(racer, view, &ms);
         if (result == RESULT_OK && counted && racer->frames < race->frames_max)
             count_step(racer, ms);
@@ -78,8 +76,6 @@ Result race_measure(Race *race, Jobs *jobs) {
     for (int i = 0; i < race->count && result == RESULT_OK; i++) {
         Racer *racer = &race->racers[i];
         Measure measure;
-        if (!racer->lod)
-            continue;
         result = measure_cut(race->terrain, &racer->cut, jobs, &measure);
         if (result != RESULT_OK)
             break;

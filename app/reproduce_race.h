@@ -15,7 +15,7 @@
 typedef struct Racer {
     LodOptions options;
     Jobs *jobs;
-    Lod *lod; // NULL: the method is not part of this program; it stands still
+    Lod *lod;
     Arena *frame;
     LodCut cut; // of the latest step
     double *ms; // [frames]
@@ -37,8 +37,7 @@ typedef struct Race {
 
 // Up to `frames_max` counted steps.
 void race_begin(const Terrain *terrain, int frames_max, Race *out);
-// Entrants get the indices 0, 1, 2 ... A method that is not part of the program enters, and stands still. What
-// lod_create fails with; MEMORY.
+// Entrants get the indices 0, 1, 2 ... What lod_create fails with; MEMORY.
 MUST_USE Result race_enter(Race *race, const LodOptions *options, Jobs *jobs);
 void race_end(Race *race);
 

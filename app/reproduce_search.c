@@ -40,9 +40,10 @@ static Result probe(Search *search, double tau_px, double *triangles) {
 
 // Takes the point in, and the slope from the one before to it.
 static void learn(Search *search, double tau_px, double triangles) {
-    double power = -log(search->triangles / triangles) / log(search->tau_px / tau_px);
-    if (search->triangles > 0.0 && isfinite(power))
+    if (search->triangles > 0.0 && triangles > 0.0 && search->tau_px != tau_px) {
+        double power = -log(search->triangles / triangles) / log(search->tau_px / tau_px);
         search->power = fmin(fmax(power, LEAST_POWER), GREATEST_POWER);
+    }
     search->tau_px = tau_px;
     search->triangles = triangles;
 }
@@ -57,9 +58,7 @@ static double guess(const Search *search, double triangles) {
 
 Result search_tau(Search *search, double triangles, double *tau_px) {
     double nearest = INFINITY;
-    *tau_px = NAN;
-    if (!search->race.racers[0].lod)
-        return RESULT_OK;
+    *tau_px = search->tau_px;
     for (int step = 0; step < STEPS_MAX && nearest > CLOSE_ENOUGH; step++) {
         double tau = guess(search, triangles), found;
         if (step > 0 && tau == search->tau_px)

@@ -24,5 +24,5 @@ MUST_USE Result search_begin(const Circuit *circuit, const LodOptions *method, J
 void search_end(Search *search);
 
 // The tolerance for a mean of about `triangles` over the probes: within 2 % after at most ten steps, if the terrain has
-// so many; a limit above otherwise. NaN: the method is not part of the program.
+// so many; a limit above otherwise.
 MUST_USE Result search_tau(Search *search, double triangles, double *tau_px);

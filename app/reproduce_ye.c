@@ -149,7 +149,6 @@ static Result enter_racers(const Flight *flight, Race *race) {
         LodOptions options = entry_options(&ENTRIES[i]);
         result = race_enter(race, &options, flight->run->all);
     }
-    reproduce_note_absent(flight->run, race);
     return result;
 }
 
@@ -176,7 +175,7 @@ static Result race_methods(Flight *flight, ReportTable *table) {
     Result result = find_tau(flight);
     if (result == RESULT_OK)
         result = enter_racers(flight, &race);
-    if (result == RESULT_OK && isfinite(flight->tau_px))
+    if (result == RESULT_OK)
         result = fly(flight, &race);
     if (result == RESULT_OK)
         result = add_rows(flight, &race, table);
