@@ -182,6 +182,32 @@ static void test_without_the_bound_nothing_is_promised(void **state) {
     jobs_destroy(&jobs);
 }
 
+// The tile around the eye stays fine, whatever the tolerance; the rest becomes coarse, and the search ends.
+static void test_a_budget_that_can_not_be_kept_gives_the_coarsest_cut(void **state) {
+    (void)state;
+    Jobs *jobs;
+    assert_int_equal(jobs_create(2, &jobs), RESULT_OK);
+    Terrain *terrain = terrain_of_shape(4, 46.0, jobs);
+    for (int i = 0; i < 4; i++) {
+        LodOptions options = lod_default_options();
+        options.method = METHODS[i % 2];
+        options.bound = i < 2 ? LOD_BOUND_PUBLISHED : LOD_BOUND_CENTRE;
+        options.max_triangles = 10;
+        Bench b = {0};
+        assert_int_equal(lod_create(&options, terrain, &b.lod), RESULT_OK);
+        assert_int_equal(arena_create(1 << 20, &b.frame), RESULT_OK);
+        LodView view = support_view(support_eye(terrain, 48.0, 48.0, 0.0), 1.0); // a tile's middle
+        assert_int_equal(lod_update(b.lod, &view, jobs, b.frame, &b.cut), RESULT_BUDGET);
+        support_check_cut(terrain, &b.cut, jobs, "no budget");
+        print_message("%s: %" PRId64 " triangles, reached %.3g px\n", lod_method_name(METHODS[i % 2]),
+                      b.cut.stats.triangles, b.cut.reached_px);
+        assert_true(b.cut.stats.triangles < 10000 && b.cut.reached_px > 1.0);
+        bench_end(&b);
+    }
+    terrain_destroy(&terrain);
+    jobs_destroy(&jobs);
+}
+
 // ---- holes ----
 
 static bool is_open(int col, int row) {
@@ -253,6 +279,7 @@ int main(void) {
         cmocka_unit_test(test_the_tatra_are_within_the_tolerance),
         cmocka_unit_test(test_hard_shapes_are_within_the_tolerance_from_anywhere),
         cmocka_unit_test(test_without_the_bound_nothing_is_promised),
+        cmocka_unit_test(test_a_budget_that_can_not_be_kept_gives_the_coarsest_cut),
         cmocka_unit_test(test_holes_keep_their_shape_at_any_tolerance),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -25,7 +25,8 @@ typedef struct Choosing {
 static double centre_distance2(const Choosing *c, const GeomipTile *tile) {
     Vec3d to = vec3d_sub(tile->centre_ecef, c->eye);
     double rise = c->rule.ye ? vec3d_dot(to, c->up) : 0.0; // Ye: in the ground plane
-    return fmax(vec3d_dot(to, to) - rise * rise, 0.0);
+    double d2 = vec3d_dot(to, to) - rise * rise;
+    return d2 > 0.0 ? d2 : 0.0;
 }
 
 static double box_distance(const Choosing *c, const GeomipTile *tile) {
@@ -34,7 +35,8 @@ static double box_distance(const Choosing *c, const GeomipTile *tile) {
     double sum = 0.0;
     for (int k = 0; k < 3; k++) {
         double x = vec3d_dot(to, frame.axis[k]);
-        double off = fmax(fmax((double)tile->low[k] - x, x - (double)tile->high[k]), 0.0);
+        double below = (double)tile->low[k] - x, above = x - (double)tile->high[k];
+        double off = below > 0.0 ? below : above > 0.0 ? above : 0.0;
         sum += off * off;
     }
     return sqrt(sum);
@@ -51,8 +53,8 @@ static double allowed_m(const Choosing *c, const GeomipTile *tile) {
 // ---- levels ----
 
 static int morphed(double share) { // towards the finer level
-    int steps = (int)floor(share * GEOMIP_LEVEL);
-    return steps < 0 ? 0 : steps >= GEOMIP_LEVEL ? GEOMIP_LEVEL - 1 : steps;
+    double steps = floor(share * GEOMIP_LEVEL);
+    return !(steps > 0.0) ? 0 : steps < GEOMIP_LEVEL ? (int)steps : GEOMIP_LEVEL - 1;
 }
 
 // The coarsest level within what is allowed; Ye: and f = (delta - delta_n) / (delta_{n+1} - delta_n) beyond it.

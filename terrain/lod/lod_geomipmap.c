@@ -18,6 +18,8 @@
 #define RAISE 1.19
 #define RAISE_FAST 2.0
 #define FAR_ABOVE 6 // times the budget
+// Here only a tile that the eye is in, or above the middle of, is not at its coarsest.
+#define COARSEST_PX 1e12
 
 typedef struct Node { // what is kept of a tile between frames
     IndexList list;
@@ -58,7 +60,7 @@ static Result choose_levels(Geomip *g, const LodCall *call, LodCut *cut) {
         geomip_levels_choose(&g->tiles, g->rule, call->view->eye_ecef, call->view->px_per_rad, tau, call->jobs,
                              &g->levels);
         cut->stats.vertices_evaluated += g->tiles.squares.count;
-        if (g->levels.triangles <= g->options.max_triangles || g->levels.coarsest)
+        if (g->levels.triangles <= g->options.max_triangles || g->levels.coarsest || tau > COARSEST_PX)
             break;
         tau *= g->levels.triangles / FAR_ABOVE > g->options.max_triangles ? RAISE_FAST : RAISE;
     }
