@@ -50,6 +50,8 @@ static const View VIEWS[] = {
     {"low-sun", {"--eye", "36.60,-84.38,1300m", "--look", "95,-8", "--sun", "250,6"}},
     {"levels", {"--colour", "level", "--tau", "4"}},
     {"wireframe", {"--wireframe", "--tau", "6"}},
+    {"compare", {"--compare", "brute", "--colour", "level", "--wireframe", "--tau", "6"}},
+    {"compare-names", {"--compare", "roam", "--tau", "8", "--wireframe", "--size", "640x400"}},
     {"brute", {"--method", "brute", "--eye", "36.40,-84.46,7000m", "--look", "48,-24"}},
 };
 

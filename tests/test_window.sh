@@ -225,6 +225,8 @@ expect frames_compared '>=' 8
 for method in $methods; do
     expect "$method" '>=' 1
 done
+expect p50 '>' 0
+expect longest_first_refine_ms '>' 0
 # What a frame takes without a change, several times over, for a machine that has other things to do.
 expect longest_frame_ms '<' "$(awk "BEGIN { print $(value longest_first_refine_ms) + 8 * $(value p50) + 300 }")"
 
