@@ -16,6 +16,9 @@
 #define LOWER 1.1
 #define LOWER_BELOW 0.7
 #define COARSEST_PX 1e12
+// Room for indices beyond the budget, so that frames that are over it before that is known are whole.
+#define ROOM_BEYOND 4 // a share of it
+#define ROOM_LEAST 65536
 #define TOLERANCES 8 // remembered, more than there are frames in flight
 
 // std140, shaders/diamond_draw.glsl.
@@ -29,15 +32,15 @@ struct DiamondPass {
     uint64_t model_id; // of what it holds
     GridPoint origin;
     int32_t width, level_count;
-    int64_t budget;
+    int64_t budget, room; // triangles: what is aimed at, and what can be drawn
     bool wet;
     GLuint land_program, level_program, wire_program; // 0 until they are called for
     GLuint draw_block;
     double raised_px;              // the tolerance that the budget forced; 0: none
     double tolerances[TOLERANCES]; // by generation of indices
-    int64_t triangles;             // of the newest frame known, and what it reached
-    double reached_px;
-    bool over_budget; // and it has been said
+    int64_t triangles;             // wanted in the newest frame known
+    double tau_px;                 // its tolerance
+    bool over_room;                // and it has been said
 };
 
 Result diamond_pass_create(const DiamondPassOptions *options, DiamondPass **out) {
@@ -77,7 +80,7 @@ static void forget_model(DiamondPass *pass) {
     diamond_gpu_destroy(&pass->gpu);
     pass->raised_px = 0.0;
     pass->triangles = 0;
-    pass->over_budget = false;
+    pass->over_room = false;
 }
 
 static Result take_model(DiamondPass *pass, const DiamondOrder *order, const Ground *ground) {
@@ -85,8 +88,8 @@ static Result take_model(DiamondPass *pass, const DiamondOrder *order, const Gro
     if (pass->gpu && pass->model_id == model->id)
         return RESULT_OK;
     forget_model(pass);
-    Result result =
-        diamond_gpu_create(model, order->max_triangles, pass->options.software, pass->options.wait, &pass->gpu);
+    int64_t room = order->max_triangles + order->max_triangles / ROOM_BEYOND + ROOM_LEAST;
+    Result result = diamond_gpu_create(model, room, pass->options.software, pass->options.wait, &pass->gpu);
     if (result != RESULT_OK)
         return result;
     if (!diamond_gpu_has_errors(pass->gpu))
@@ -96,7 +99,8 @@ static Result take_model(DiamondPass *pass, const DiamondOrder *order, const Gro
     pass->width = model->layout.width;
     pass->level_count = model->layout.level_count;
     pass->wet = ground_is_wet(ground, 0, 0, model->layout.width, model->layout.height);
-    pass->budget = diamond_gpu_triangles_max(pass->gpu);
+    pass->room = diamond_gpu_triangles_max(pass->gpu);
+    pass->budget = order->max_triangles < pass->room ? order->max_triangles : pass->room;
     return RESULT_OK;
 }
 
@@ -126,18 +130,18 @@ static double raised(const DiamondPass *pass, double tau_px, int64_t triangles) 
 // What a frame's count means for the tolerance of the next one.
 static double next_raised(const DiamondPass *pass, double asked_px, double tau_px, int64_t triangles) {
     if (triangles > pass->budget)
-        return raised(pass, tau_px, triangles);
+        return tau_px <= COARSEST_PX ? raised(pass, tau_px, triangles) : tau_px;
     if (tau_px <= asked_px)
         return 0.0;
     return (double)triangles < LOWER_BELOW * (double)pass->budget ? tau_px / LOWER : tau_px;
 }
 
-static void warn_over_budget(DiamondPass *pass) {
-    if (!pass->over_budget)
-        log_warn("%lld triangles of diamonds are wanted, there is room for %lld: drawing as many; raise the tolerance, "
-                 "or --max-triangles",
-                 (long long)pass->triangles, (long long)pass->budget);
-    pass->over_budget = true;
+static void warn_over_room(DiamondPass *pass) {
+    if (!pass->over_room)
+        log_warn("%lld triangles of diamonds are wanted, there is room for %lld, and no more are drawn; raise the "
+                 "tolerance, or --max-triangles",
+                 (long long)pass->triangles, (long long)pass->room);
+    pass->over_room = true;
 }
 
 // Raises the tolerance until the triangles fit.
@@ -150,7 +154,7 @@ static Result refine_now(DiamondPass *pass, const LodCut *cut, double tau_px) {
             return result;
         pass->triangles = diamond_gpu_count_now(pass->gpu);
     }
-    pass->reached_px = tau_px;
+    pass->tau_px = tau_px;
     return result;
 }
 
@@ -161,7 +165,7 @@ static Result refine_ahead(DiamondPass *pass, const LodCut *cut, double tau_px) 
     int64_t triangles = diamond_gpu_count_ready(pass->gpu, &generation);
     if (result == RESULT_OK && triangles >= 0) {
         pass->triangles = triangles;
-        pass->reached_px = pass->tolerances[generation % TOLERANCES];
+        pass->tau_px = pass->tolerances[generation % TOLERANCES];
     }
     return result;
 }
@@ -169,13 +173,13 @@ static Result refine_ahead(DiamondPass *pass, const LodCut *cut, double tau_px) 
 static Result refine(DiamondPass *pass, const LodCut *cut) {
     bool may_raise = cut->resident->may_raise;
     double asked = cut->view.tau_px, tau = may_raise ? fmax(asked, pass->raised_px) : asked;
-    pass->reached_px = tau; // until more is known
+    pass->tau_px = tau; // until more is known
     Result result = pass->options.wait ? refine_now(pass, cut, tau) : refine_ahead(pass, cut, tau);
     if (result != RESULT_OK)
         return result;
-    if (pass->triangles > pass->budget)
-        warn_over_budget(pass);
-    pass->raised_px = may_raise ? next_raised(pass, asked, pass->reached_px, pass->triangles) : 0.0;
+    if (pass->triangles > pass->room)
+        warn_over_room(pass);
+    pass->raised_px = may_raise ? next_raised(pass, asked, pass->tau_px, pass->triangles) : 0.0;
     return RESULT_OK;
 }
 
@@ -249,10 +253,11 @@ void diamond_pass_count(const DiamondPass *pass, RenderCutStats *stats) {
         return;
     stats->draws = 1;
     stats->patches_drawn = 1;
-    stats->triangles_drawn = pass->triangles < pass->budget ? pass->triangles : pass->budget;
+    bool whole = pass->triangles <= pass->room;
+    stats->triangles_drawn = whole ? pass->triangles : pass->room;
     stats->resident = (RenderResident){.made = true,
                                        .triangles = stats->triangles_drawn,
-                                       .reached_px = pass->reached_px,
+                                       .reached_px = whole ? pass->tau_px : (double)INFINITY,
                                        .evaluate_ms = diamond_gpu_ms(pass->gpu, DIAMOND_PHASE_EVALUATE),
                                        .close_ms = diamond_gpu_ms(pass->gpu, DIAMOND_PHASE_CLOSE),
                                        .indices_ms = diamond_gpu_ms(pass->gpu, DIAMOND_PHASE_INDICES)};
