@@ -13,8 +13,8 @@
 #define FULL_HZ 2.0
 #define QUICK_POSITIONS 12
 #define WORKERS 2
-#define FULL_PROBES 8
-#define QUICK_PROBES 3
+#define FULL_PROBES 24
+#define QUICK_PROBES 6
 #define TRIANGLES_PER_VERTEX 2.0 // Euler: T = 2 V less the rim
 
 enum { SERIAL, PARALLEL };
