@@ -108,6 +108,15 @@ static Result print_json(const Snapshot *snapshot) {
     return result;
 }
 
+// Without --json, two lines about two methods.
+static void log_methods(const Snapshot *snapshot) {
+    PipelineStats stats = pipeline_stats(snapshot->pipeline);
+    if (!stats.split)
+        return;
+    pipeline_cut_log("left", &stats.cut);
+    pipeline_cut_log("right", &stats.right);
+}
+
 static Result prepare(Snapshot *snapshot) {
     ContextOptions context = picture_context_options(snapshot->options);
     Result result = check_output(snapshot);
@@ -136,6 +145,8 @@ Result cmd_snapshot(const Options *options) {
         result = take(&snapshot);
     if (result == RESULT_OK && options_flag(options, OPTION_JSON))
         result = print_json(&snapshot);
+    else if (result == RESULT_OK)
+        log_methods(&snapshot);
     pipeline_destroy(&snapshot.pipeline);
     world_unload(&snapshot.world);
     context_destroy(&snapshot.context);

@@ -120,18 +120,12 @@ Result flight_report_json(const FlightReport *report) {
     return result;
 }
 
-static void log_cut(const char *where, const PipelineCut *cut) {
-    log_info("%s: %s, %lld triangles in %lld patches, %s %.2f px", where, lod_method_name(cut->method),
-             (long long)cut->lod.triangles, (long long)cut->lod.patches,
-             cut->promises ? "error at most" : "no bound on the error, asked for", cut->reached_px);
-}
-
 void flight_report_log(const FlightReport *report) {
     const PipelineStats *stats = &report->stats;
     FrameTimesSummary frame = report->times.frame;
     log_info("%lld frames; %.1f ms a frame (p99 %.1f, longest %.1f)", (long long)stats->frames, frame.mean, frame.p99,
              frame.max);
-    log_cut(stats->split ? "left" : "last cut", &stats->cut);
+    pipeline_cut_log(stats->split ? "left" : "last cut", &stats->cut);
     if (stats->split)
-        log_cut("right", &stats->right);
+        pipeline_cut_log("right", &stats->right);
 }

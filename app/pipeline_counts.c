@@ -1,5 +1,7 @@
 #include "app/pipeline_counts.h"
 
+#include "base/log.h"
+
 #define RECENT_FRAMES 240 // for the percentile on the screen
 #define RECENT_EVERY 16
 #define MS_PER_NS 1e-6
@@ -57,6 +59,12 @@ void pipeline_counts_add(PipelineCounts *counts, const RenderPacket *packet, con
         add_right(counts, &packet->right, methods[1], &render->right);
     if (!packet->split || methods[0] != methods[1])
         stats->frames_by_method[methods[0]]++;
+}
+
+void pipeline_cut_log(const char *where, const PipelineCut *cut) {
+    log_info("%s: %s, %lld triangles in %lld patches, %s %.2f px", where, lod_method_name(cut->method),
+             (long long)cut->lod.triangles, (long long)cut->lod.patches,
+             cut->promises ? "error at most" : "no bound on the error, asked for", cut->reached_px);
 }
 
 static FrameTimesSummary all_of(const FrameTimes *times) {

@@ -44,4 +44,6 @@ typedef struct PipelineCounts {
 // A frame that is drawn, made by these methods.
 void pipeline_counts_add(PipelineCounts *counts, const RenderPacket *packet, const LodMethod methods[METHODS_HALVES],
                          const RenderStats *render, int64_t now_ns);
+// One line in the log, which begins with `where`.
+void pipeline_cut_log(const char *where, const PipelineCut *cut);
 PipelineTimes pipeline_counts_times(const PipelineCounts *counts);

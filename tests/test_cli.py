@@ -267,6 +267,41 @@ def a_snapshot_is_the_same_each_time(cli):
     expect("picture", cli.digest("b.png"), cli.digest("a.png"))
 
 
+def two_methods_are_reported_side_by_side(cli):
+    view = ["--size", "640x360", "--eye", "36.50,-84.20,1200m", "--look", "60,0"]
+    picture = ["snapshot", *view, "--compare", "brute", "-o", cli.path("two.png")]
+    report = json.loads(cli.run(*picture, "--json").out)
+    expect("left", report["method"], "hybrid")
+    expect("right", report["right"]["method"], "brute")
+    if not report["triangles"] < report["right"]["triangles"]:
+        raise Fault(f"expected fewer triangles than brute's, found {report}")
+    said = cli.run(*picture).err
+    expect_in("log", "left: hybrid, ", said)
+    expect_in("log", "right: brute, ", said)
+    flight = ["fly", "--no-window", "--frames", "2", *view, "--method", "brute", "--compare", "hybrid", "--json"]
+    for more in ([], ["--lockstep"]):
+        report = json.loads(cli.run(*flight, *more).out)
+        expect("methods", (report["method"], report["right"]["method"]), ("brute", "hybrid"))
+        expect("frames with both", report["frames_compared"], report["frames"])
+        expect("frames by method", report["frames_by_method"], {"brute": report["frames"], "hybrid": report["frames"]})
+
+
+def the_corner_bound_holds_in_flight_too(cli):
+    """As many triangles as the picture of the same view, whose refinement the mesh's tests measure; halves too."""
+    view = ["--size", "640x360", "--eye", "36.50,-84.20,1200m", "--look", "60,0", "--tau", "2", "--json"]
+    found = {}
+    for bound in ("centre", "corner"):
+        for more in ([], ["--compare", "brute"]):
+            snapshot = json.loads(cli.run("snapshot", *view, "--bound", bound, *more, "-o", cli.path("x.png")).out)
+            flight = json.loads(cli.run("fly", "--no-window", "--lockstep", "--frames", "1", *view, "--bound", bound,
+                                        *more).out)
+            if abs(flight["triangles"] / snapshot["triangles"] - 1.0) > 0.01:
+                raise Fault(f"{bound} {more}: {flight['triangles']} in flight, {snapshot['triangles']} in a picture")
+        found[bound] = flight["triangles"]
+    if not found["corner"] > 1.2 * found["centre"]:
+        raise Fault(f"expected more triangles for the corners, found {found}")
+
+
 def a_flight_repeats_in_lockstep(cli):
     def fly(name, *options):
         report = cli.json("fly", *SMALL, "--no-window", "--lockstep", "--demo", "--no-hud", "--frames", "30", "--screenshot",
@@ -360,7 +395,8 @@ CASES = [help_is_instant_and_complete, help_comes_even_with_a_damaged_file, wron
          an_image_beside_the_terrain_is_warned_of, an_eye_under_the_ground_is_warned_of,
          missing_files_are_named_before_a_window_is_wanted, info_names_every_file, overlapping_files_are_warned_of,
          paths_of_a_scene_are_written_plainly, a_budget_below_the_smallest_mesh_says_so,
-         a_snapshot_is_the_same_each_time, a_flight_repeats_in_lockstep, overlapped_stages_draw_what_lockstep_draws,
+         a_snapshot_is_the_same_each_time, two_methods_are_reported_side_by_side, the_corner_bound_holds_in_flight_too,
+         a_flight_repeats_in_lockstep, overlapped_stages_draw_what_lockstep_draws,
          pictures_are_spread_over_the_flight, without_a_display_it_says_how_to_get_a_window,
          an_old_opengl_is_named_beside_what_is_needed, signals_end_a_flight_cleanly,
          a_flight_starts_in_the_air_wherever_it_is_asked_to, a_full_disk_is_an_error]
