@@ -1,5 +1,6 @@
 // What the colours of patches mean.
 #include "render/hud_paint.h"
+#include "terrain/diamond/diamond.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -41,6 +42,9 @@ static Legend legend_of(const LodCut *cut, bool levels) {
     bool occurs[NUMBERS] = {false};
     for (int32_t i = 0; i < cut->item_count; i++)
         occurs[(levels ? cut->items[i].level : cut->items[i].partition) % NUMBERS] = true;
+    // Of resident cuts only the GPU knows which triangles there are.
+    for (int n = 0; cut->resident && levels && n <= 2 * cut->resident->model->layout.level_count; n++)
+        occurs[n] = true;
     for (int n = 0; n < NUMBERS; n++)
         if (occurs[n])
             legend.numbers[legend.count++] = (uint8_t)n;

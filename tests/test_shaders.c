@@ -37,7 +37,17 @@ static const Variants VARIANTS[] = {
     {{"fullscreen.vert", "atmosphere_ground.frag"}, {NULL}, "GROUND_LIGHT_WIDTH=64 GROUND_LIGHT_HEIGHT=4"},
     {{"fullscreen.vert", "sky_view.frag"}, {NULL}, ""},
     {{"canvas.vert", "canvas.frag"}, {NULL}, ""},
+    {{"diamond_terrain.vert", "terrain.frag"}, {"HOLES", "DRAPE", "WATER", "SEA"}, ""},
+    {{"diamond_terrain.vert", "diamond_level.geom", "terrain.frag"}, {"HOLES", "DRAPE", "SEA"}, ""},
+    {{"diamond_terrain.vert", "wire.geom", "wire.frag"}, {NULL}, ""},
+    {{"diamond_errors.comp"}, {"BY_GROUP"}, ""},
+    {{"diamond_evaluate.comp"}, {"FIELD_DATUM", "FIELD_DEGREES"}, ""},
+    {{"diamond_close.comp"}, {"EDGES_OF_PLANE"}, ""},
+    {{"diamond_indices.comp"}, {NULL}, ""},
 };
+
+// What predicates are compiled to, see render/diamond/diamond_program.h.
+static const ShaderInsert PREDICATE = {"diamond_program.glsl", "bool selects(Vertex vertex) {\n    return true;\n}\n"};
 
 static bool compile_variant(const Variants *variants, unsigned choice) {
     char defines[256];
@@ -47,14 +57,15 @@ static bool compile_variant(const Variants *variants, unsigned choice) {
         if (choice >> i & 1)
             snprintf(defines + used, sizeof defines - used, " %s", variants->switches[i]);
     }
-    ShaderSpec spec = {.defines = defines};
+    ShaderSpec spec = {.defines = defines, .insert = &PREDICATE};
     memcpy(spec.stages, variants->stages, sizeof spec.stages);
     unsigned program = 0;
     bool compiles = shader_create_program(&spec, &program) == RESULT_OK;
     if (compiles)
         glDeleteProgram(program);
     else
-        print_error("%s, %s with '%s' fails\n", variants->stages[0], variants->stages[1], defines);
+        print_error("%s, %s with '%s' fails\n", variants->stages[0],
+                    variants->stages[1] ? variants->stages[1] : "alone", defines);
     return compiles;
 }
 
