@@ -201,7 +201,7 @@ static void test_a_budget_that_can_not_be_kept_gives_the_coarsest_cut(void **sta
         support_check_cut(terrain, &b.cut, jobs, "no budget");
         print_message("%s: %" PRId64 " triangles, reached %.3g px\n", lod_method_name(METHODS[i % 2]),
                       b.cut.stats.triangles, b.cut.reached_px);
-        assert_true(b.cut.stats.triangles < 10000 && b.cut.reached_px > 1.0);
+        assert_true(b.cut.stats.triangles < 20000 && b.cut.reached_px > 1.0);
         bench_end(&b);
     }
     terrain_destroy(&terrain);

@@ -206,13 +206,18 @@ static float *strip_of(GeomipTiles *tiles, int32_t tile, int side) {
     return tiles->strip + ((size_t)tile * GEOMIP_SIDES + (size_t)side) * n * n;
 }
 
+// By how much at least errors grow where Ye's tiles morph: were two the same, a level would jump from one to the other.
+static float ratio_of(const GeomipInput *input, float ratio) {
+    return input->border == GEOMIP_FANNED ? ratio : 1.0f;
+}
+
 // The entries of one level: at least as large as those of finer levels and finer borders; the first is the level's own.
 static void fill_strip(GeomipTiles *tiles, const GeomipInput *input, const Terms *terms, int32_t tile, int side,
                        int level) {
     Side seen = side_of(tiles->terrain->dem, &tiles->squares.squares[tile], side);
     int n = tiles->levels, last = tiles->tiles[tile].log_side;
     float *row = strip_of(tiles, tile, side) + level * n;
-    float grow = input->border == GEOMIP_FANNED ? STRIP_RATIO_MIN : 1.0f;
+    float grow = ratio_of(input, STRIP_RATIO_MIN);
     row[level] = geomip_delta(tiles, tile, level);
     for (int border = level + 1; border <= last; border++) {
         double off = input->border == GEOMIP_FANNED ? fanned_deviation(&seen, 1 << level, 1 << border)
@@ -223,22 +228,20 @@ static void fill_strip(GeomipTiles *tiles, const GeomipInput *input, const Terms
 }
 
 // A level's own bound, from its deviation: no smaller than anything that a finer level has on its sides.
-static float own_bound(GeomipTiles *tiles, const Terms *terms, int32_t tile, int level, float deviation_m) {
-    float bound = rounded_up(bound_of(terms, (double)deviation_m, level, level));
+static float own_bound(const GeomipTiles *tiles, const GeomipInput *input, const Terms *terms, int32_t tile,
+                       int level) {
+    float deviation = geomip_delta(tiles, tile, level), finer = geomip_delta(tiles, tile, level - 1);
+    float bound = rounded_up(bound_of(terms, (double)deviation, level, level));
     for (int side = 0; side < GEOMIP_SIDES; side++)
-        bound = fmaxf(bound, geomip_strip(tiles, tile, side, level - 1, level));
-    return bound;
+        bound = fmaxf(bound, ratio_of(input, STRIP_RATIO_MIN) * geomip_strip(tiles, tile, side, level - 1, level));
+    return fmaxf(bound, ratio_of(input, RATIO_MIN) * finer);
 }
 
 static void fill_bounds(GeomipTiles *tiles, const GeomipInput *input, float highest_m, int32_t tile) {
     Terms terms = terms_of(tiles, &tiles->squares.squares[tile], highest_m);
     float *delta = tiles->delta + (size_t)tile * (size_t)tiles->levels;
-    delta[0] = rounded_up(terms.slack_m);
     for (int level = 0; level <= tiles->tiles[tile].log_side; level++) {
-        if (level > 0)
-            delta[level] = own_bound(tiles, &terms, tile, level, delta[level]);
-        if (level > 0 && input->border == GEOMIP_FANNED)
-            delta[level] = fmaxf(delta[level], RATIO_MIN * delta[level - 1]);
+        delta[level] = level ? own_bound(tiles, input, &terms, tile, level) : rounded_up(terms.slack_m);
         for (int side = 0; side < GEOMIP_SIDES; side++)
             fill_strip(tiles, input, &terms, tile, side, level);
     }
