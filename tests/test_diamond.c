@@ -25,7 +25,7 @@ static const DemGeoref GLOBE = {DEM_CRS_GEOGRAPHIC, 0, false, -179.0, 70.0, 0.5,
 
 static const struct {
     int width, height;
-} SIZES[] = {{2, 2}, {3, 2}, {2, 37}, {5, 5}, {9, 4}, {65, 65}, {66, 67}, {131, 94}, {33, 129}, {100, 3}};
+} SIZES[] = {{2, 2}, {3, 2}, {2, 37}, {5, 5}, {9, 4}, {65, 65}, {66, 67}, {131, 94}, {33, 129}, {100, 3}, {61, 63}};
 
 typedef struct World {
     Jobs *jobs;

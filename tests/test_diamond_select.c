@@ -83,59 +83,60 @@ static void test_what_may_be_written(void **state) {
     }
 }
 
+static const struct {
+    const char *text;
+    int character;
+    const char *named;
+} WRONG[] = {{"", 1, "found the end"},
+             {"   ", 4, "found the end"},
+             {"error", 1, "a condition as the whole selection, found a number; compare it"},
+             {"5", 1, "a condition"},
+             {"error >", 8, "found the end"},
+             {"error > > 5", 9, "found '>'"},
+             {"errr > 5", 1, "found 'errr'"},
+             {"Error > 5", 1, "found 'Error'"},
+             {"error > 5 ||", 13, "found the end"},
+             {"error > 5 | level < 3", 11, "found '|'"},
+             {"error > 5 & level < 3", 11, "found '&'"},
+             {"error == 5", 7, "found '='"},
+             {"error > 5 level < 3", 11, "an operator or the end, found 'level'"},
+             {"(error > 5", 11, "an operator or ')', found the end"},
+             {"error > 5)", 10, "found ')'"},
+             {"error && level < 3", 1, "a condition beside '&&', found a number"},
+             {"tolerance + 1 > 2", 1, "a number beside '+', found a condition"},
+             {"!error", 2, "a condition after '!'"},
+             {"-tolerance", 2, "a number after '-'"},
+             {"1 < error < 5", 11, "found '<'"},
+             {"tolerance > 1", 1, "a number beside '>'"},
+             {"error > 5kg", 9, "m, km, ft, nmi, mi or nothing after it, found '5kg'"},
+             {"error > 1e99", 9, "at most 1e30"},
+             {"error > 1e999999", 9, "at most 1e30"},
+             {"within", 7, "within(LAT, LON, METRES), found the end"},
+             {"within(1, 2)", 12, "within(LAT, LON, METRES), found ')'"},
+             {"within(1, 2, 3, 4)", 15, "within(LAT, LON, METRES), found ','"},
+             {"within(error, 2, 3)", 8, "found 'error'"},
+             {"within(91, 2, 3)", 1, "a latitude of -90 to 90"},
+             {"within(1, 2, -3)", 1, "a radius of 0 or more"},
+             {"box(1, 5, 2, 4)", 1, "the south below the north"},
+             {"box(1, 2, 3)", 12, "box(WEST, SOUTH, EAST, NORTH)"},
+             {"error > $", 9, "found '$'"},
+             {"error / 2 > 1", 7, "found '/'"},
+             {"error > .", 9, "found '.'"}};
+
 static void test_what_may_not_be_written_is_told_where_and_why(void **state) {
     (void)state;
-    static const struct {
-        const char *text;
-        int character;
-        const char *named;
-    } cases[] = {{"", 1, "found the end"},
-                 {"   ", 4, "found the end"},
-                 {"error", 1, "a condition as the whole selection, found a number; compare it"},
-                 {"5", 1, "a condition"},
-                 {"error >", 8, "found the end"},
-                 {"error > > 5", 9, "found '>'"},
-                 {"errr > 5", 1, "found 'errr'"},
-                 {"Error > 5", 1, "found 'Error'"},
-                 {"error > 5 ||", 13, "found the end"},
-                 {"error > 5 | level < 3", 11, "found '|'"},
-                 {"error > 5 & level < 3", 11, "found '&'"},
-                 {"error == 5", 7, "found '='"},
-                 {"error > 5 level < 3", 11, "an operator or the end, found 'level'"},
-                 {"(error > 5", 11, "an operator or ')', found the end"},
-                 {"error > 5)", 10, "found ')'"},
-                 {"error && level < 3", 1, "a condition beside '&&', found a number"},
-                 {"tolerance + 1 > 2", 1, "a number beside '+', found a condition"},
-                 {"!error", 2, "a condition after '!'"},
-                 {"-tolerance", 2, "a number after '-'"},
-                 {"1 < error < 5", 11, "found '<'"},
-                 {"tolerance > 1", 1, "a number beside '>'"},
-                 {"error > 5kg", 9, "m, km, ft, nmi, mi or nothing after it, found '5kg'"},
-                 {"error > 1e99", 9, "at most 1e30"},
-                 {"error > 1e999999", 9, "at most 1e30"},
-                 {"within", 7, "within(LAT, LON, METRES), found the end"},
-                 {"within(1, 2)", 12, "within(LAT, LON, METRES), found ')'"},
-                 {"within(1, 2, 3, 4)", 15, "within(LAT, LON, METRES), found ','"},
-                 {"within(error, 2, 3)", 8, "found 'error'"},
-                 {"within(91, 2, 3)", 1, "a latitude of -90 to 90"},
-                 {"within(1, 2, -3)", 1, "a radius of 0 or more"},
-                 {"box(1, 5, 2, 4)", 1, "the south below the north"},
-                 {"box(1, 2, 3)", 12, "box(WEST, SOUTH, EAST, NORTH)"},
-                 {"error > $", 9, "found '$'"},
-                 {"error / 2 > 1", 7, "found '/'"},
-                 {"error > .", 9, "found '.'"}};
     Heard heard;
     log_set_sink(hear, &heard);
-    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+    for (size_t i = 0; i < COUNT_OF(WRONG); i++) {
         DiamondSelect *select = NULL;
         char where[32];
         heard = (Heard){0};
-        snprintf(where, sizeof where, "character %d:", cases[i].character);
-        Result result = diamond_select_create(cases[i].text, &LENS, &select);
+        snprintf(where, sizeof where, "character %d:", WRONG[i].character);
+        Result result = diamond_select_create(WRONG[i].text, &LENS, &select);
         if (result != RESULT_USAGE || heard.errors != 1 || !strstr(heard.text, where) ||
-            !strstr(heard.text, cases[i].named))
-            fail_msg("'%s': %s, %d messages, '%s'; expected '%s' and '%s'", cases[i].text, result_name(result),
-                     heard.errors, heard.text, where, cases[i].named);
+            !strstr(heard.text, WRONG[i].named))
+            fail_msg("'%s': %s, %d messages, '%s'; expected '%s' and '%s'", WRONG[i].text, result_name(result),
+                     heard.errors, heard.text, where, WRONG[i].named);
     }
     log_set_sink(NULL, NULL);
 }

@@ -96,13 +96,6 @@ static void destroy_parts(Diamonds *d) {
     d->bits = d->before = NULL;
 }
 
-static int64_t count_vertices(const DiamondModel *model) {
-    int64_t count = 0;
-    for (uint32_t i = 0; i < model->layout.word_count; i++)
-        count += __builtin_popcount(model->valid[i]);
-    return count;
-}
-
 // In the first frame, which has workers.
 static Result make_ready(Diamonds *d, Jobs *jobs) {
     if (d->ready)
@@ -118,7 +111,7 @@ static Result make_ready(Diamonds *d, Jobs *jobs) {
         return result;
     }
     diamond_select_bind(d->options.select, &d->model, &d->program);
-    d->vertices = count_vertices(&d->model);
+    d->vertices = diamond_count(&d->model, d->model.valid);
     d->ready = true;
     return RESULT_OK;
 }
