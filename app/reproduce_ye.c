@@ -129,7 +129,8 @@ static Result add_rows(const Flight *flight, const Race *race, ReportTable *tabl
         if (!row)
             return RESULT_MEMORY;
         const char *method = lod_method_name(ENTRIES[i].method);
-        const FiguresStatic *figures = ENTRIES[i].bound == LOD_BOUND_PUBLISHED ? figures_static(method) : NULL;
+        bool measured = ENTRIES[i].bound == LOD_BOUND_PUBLISHED && flight->side == SIDES[0];
+        const FiguresStatic *figures = measured ? figures_static(method) : NULL;
         row[COL_GROUND] = report_text(site_ground_name(flight->ground));
         row[COL_SIDE] = report_number(flight->side);
         row[COL_METHOD] = report_text(method);
