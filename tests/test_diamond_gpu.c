@@ -162,8 +162,9 @@ static size_t check_program(Twins *t, const DiamondProgram *program, const LodVi
 static void check_tolerances(Twins *t, const char *name) {
     DiamondProgram tolerance;
     diamond_select_bind(NULL, &t->model, &tolerance);
-    const double taus[] = {0.3, 2.0, 30.0};
-    for (size_t i = 0; i < COUNT_OF(taus); i++) {
+    const double taus[] = {30.0, 2.0, 0.3};
+    size_t count = t->model.layout.width > 1000 ? 2 : 3; // sorting a million triangles takes its time
+    for (size_t i = 0; i < count; i++) {
         char what[96];
         LodView view = view_of(t->terrain, 0.3, 0.6, 200.0 * (double)(i + 1), taus[i]);
         snprintf(what, sizeof what, "%s, tau %g", name, taus[i]);
@@ -318,16 +319,19 @@ static void more_triangles_than_room_are_counted_and_left_out(void **state) {
     twins_end(&t);
 }
 
-// Counts that arrive later are the ones of their own generation.
+// Counts that arrive later are the ones of their own generation. Timed as on hardware, by queries.
 static void counts_arrive_in_order_without_waiting(void **state) {
     (void)state;
     Twins t = twins_rough(65, 65, 0);
+    diamond_gpu_destroy(&t.gpu);
+    assert_int_equal(diamond_gpu_create(&t.model, INT64_C(1) << 31, false, false, &t.gpu), RESULT_OK);
     int64_t expected[9] = {0};
     uint64_t generation = 99, newest = 0;
     assert_int_equal(diamond_gpu_count_ready(t.gpu, &generation), -1);
     for (uint64_t round = 1; round <= 8; round++) {
         memset(t.cpu_bits, 0, sizeof(uint32_t) * t.model.layout.word_count);
-        t.cpu_bits[round % 4] = 0xFFFF; // in the finest plane
+        for (uint64_t i = 0; i < round; i++)
+            t.cpu_bits[5 * i] = DIAMOND_EDGES | DIAMOND_CENTRES; // in the finest plane
         diamond_gpu_fill(t.gpu, t.cpu_bits);
         diamond_gpu_close(t.gpu);
         diamond_gpu_generate_indices(t.gpu);
@@ -336,8 +340,11 @@ static void counts_arrive_in_order_without_waiting(void **state) {
         assert_true(generation >= newest && generation <= round);
         newest = generation;
         assert_int_equal(ready, newest ? expected[newest] : -1);
+        assert_true(expected[round] > expected[round - 1]);
     }
     assert_true(newest > 0);
+    for (int phase = 0; phase < DIAMOND_PHASE_COUNT; phase++)
+        assert_true(diamond_gpu_ms(t.gpu, (DiamondPhase)phase) >= 0.0);
     twins_end(&t);
 }
 

@@ -19,7 +19,9 @@ enum { BITS, DATUM, ERRORS, X, Y, Z, SQUARES, DEGREES, BINDINGS };
 enum { HEIGHTS = 3, TERMS = 4 };   // generation
 enum { INDICES = 6, COMMAND = 7 }; // indices
 enum { UNIFORM_PLANE = 0, UNIFORM_FIRST_SLOT = 1, UNIFORM_SLOTS = 2, UNIFORM_BANDS = 3 };
-enum { BAND_ROWS = 32, GROUP_STEP = 8 }; // from this step on a group of invocations shares a band of a diamond
+enum { BAND_ROWS = 32 };
+// From this step on a group of invocations shares a band of a diamond; a software renderer's invocations are few.
+enum { GROUP_STEP_HARDWARE = 8, GROUP_STEP_SOFTWARE = 32 };
 
 #define READBACKS 3
 
@@ -66,6 +68,7 @@ struct DiamondGpu {
     uint64_t generation, ready_generation; // of indices
     int64_t ready;                         // count of the latter
     int64_t triangles_max;
+    int group_step;
     bool wait, has_errors;
 };
 
@@ -189,6 +192,7 @@ Result diamond_gpu_create(const DiamondModel *model, int64_t triangles_max, bool
     }
     gpu->layout = model->layout;
     gpu->wait = wait;
+    gpu->group_step = software ? GROUP_STEP_SOFTWARE : GROUP_STEP_HARDWARE;
     gpu->ready = -1;
     gpu->triangles_max = room_for(&model->layout, triangles_max);
     for (int i = 0; i < DIAMOND_PHASE_COUNT; i++)
@@ -282,7 +286,7 @@ static int64_t plane_words(const DiamondLayout *layout, int plane) {
 // The centres or the edge midpoints of a plane.
 static void generate_depth(const DiamondGpu *gpu, int plane, bool centres) {
     int step = 1 << plane, slots = centres ? DIAMOND_CENTRE_SLOTS : DIAMOND_SLOTS - DIAMOND_CENTRE_SLOTS;
-    bool by_group = step >= GROUP_STEP;
+    bool by_group = step >= gpu->group_step;
     int bands = by_group ? (2 * step + BAND_ROWS) / BAND_ROWS : 1;
     glUseProgram(by_group ? gpu->errors_group_program : gpu->errors_program);
     glUniform1i(UNIFORM_PLANE, plane);
