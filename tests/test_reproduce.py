@@ -180,9 +180,10 @@ def figures_stand_in_the_rows_they_belong_to(cli):
     expect("de Boer's triangles", found["geomipmap", "published"], 30000)
     expect("what the paper has not measured", found["geomipmap", "centre"], None)
     # Sizes that a paper has not measured have no figures of it.
-    for table in cli.result("loeffler")[1]["tables"] + cli.result("ye")[1]["tables"] + cli.result("yalcin")[1]["tables"]:
-        for row in table["rows"]:
-            expect(f"{table['id']}: figures of side {row['size']}", set(row["paper"].values()), {None})
+    for paper in ("loeffler", "yalcin", "ye"):
+        for table in cli.result(paper)[1]["tables"]:
+            for row in table["rows"]:
+                expect(f"{paper} {table['id']}: figures of side {row['size']}", set(row["paper"].values()), {None})
 
 
 def cheaper_methods_draw_no_more(cli):
@@ -207,7 +208,11 @@ def a_wrong_paper_is_told_the_four(cli):
 def bash_completes_the_papers(cli):
     source = os.path.join(os.path.dirname(DEM), "..", "bash-completion", "overfly")
     script = f"""source {source}; compopt() {{ :; }}
-        offered() {{ COMP_WORDS=({cli.program} "$1" "$2") COMP_CWORD=2 COMPREPLY=(); _overfly; echo "${{COMPREPLY[@]}}"; }}
+        offered() {{
+            COMP_WORDS=({cli.program} "$1" "$2") COMP_CWORD=2 COMPREPLY=()
+            _overfly
+            echo "${{COMPREPLY[@]}}"
+        }}
         offered reproduce ''; offered reproduce l; offered bench pre"""
     done = subprocess.run(["bash", "-c", script], capture_output=True, text=True, cwd=cli.folder, check=False,
                           env=cli.environment)
