@@ -10,7 +10,7 @@
 #define WIDTH 1280
 #define HEIGHT 800
 #define FLIGHT_SECONDS 230.0
-#define FULL_HZ 2.0
+#define FULL_HZ 1.0
 #define QUICK_POSITIONS 12
 #define WORKERS 2
 #define FULL_PROBES 24
