@@ -20,8 +20,8 @@ shared uint group_count, group_first;
 // The triangles of a super-square, by the bits of their diamonds. Of a diamond at v, with f and a from shape_of: side A
 // is (v + f, v - f, v + a), side B is (v - f, v + f, v - a).
 struct Triangles {
-    uint side_a, side_b;                               // whole
-    uint half_af, half_ab, half_bf, half_bb;           // of split ones: beside v + f and v - f
+    uint side_a, side_b;                     // whole
+    uint half_af, half_ab, half_bf, half_bb; // of split ones: beside v + f and v - f
 };
 
 struct Shape {
@@ -106,7 +106,7 @@ uint index_of(ivec2 v, Shape shape, ivec2 corner, int plane) {
 
 // Above the budget nothing is written; the count tells.
 void write_triangles(SuperSquare at, uint mask, Corners corners, inout uint next) {
-    for (; mask != 0u && next < command.triangles_max; mask &= mask - 1u, next++) {
+    for (uint room = command.triangles_max; mask != 0u && next < room; mask &= mask - 1u, next++) {
         int bit = findLSB(mask);
         ivec2 v = 4 * ivec2(at.i, at.j) + ivec2(bit & 3, bit >> 2);
         Shape shape = shape_of(bit, v);
