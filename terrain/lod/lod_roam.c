@@ -1,6 +1,7 @@
 // terrain/lod/lod_roam.c: ROAM (Duchaineau et al. 1997) over square patches, serial, in two forms. Built anew each
 // frame as in Biedermann, Rivara, section 3; or kept from frame to frame, with splits and merges where the view asks
 // for them.
+#include "terrain/lod/budget.h"
 #include "terrain/lod/lod_method.h"
 #include "terrain/roam/roam_budget.h"
 #include "terrain/roam/roam_ground.h"
@@ -8,6 +9,7 @@
 
 #include "base/clock.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -38,12 +40,21 @@ static RoamStop begin_anew(Roam *roam) {
     return roam_base_copy(&roam->ground.base, &roam->mesh, roam->roots) == RESULT_OK ? ROAM_DONE : ROAM_FAILED;
 }
 
+// What the budget allowed in the frame before is a good beginning.
+static RoamStop begin_within_budget(Roam *roam, RoamRefiner *refiner, const LodView *view) {
+    RoamRefiner coarse = *refiner;
+    coarse.view = refine_view(view, fmin(roam->budget.reached_px, BUDGET_COARSEST_PX));
+    RoamStop stop = refine_squares(roam, &coarse);
+    refiner->evaluated = coarse.evaluated;
+    return stop == ROAM_FAILED ? ROAM_FAILED : ROAM_FULL;
+}
+
 // Where the budget was reached in the frame before, it is likely to be again: priorities are compared from the start.
-static RoamStop refine(Roam *roam, RoamRefiner *refiner, double tau_px, double *reached_px) {
+static RoamStop refine(Roam *roam, RoamRefiner *refiner, const LodView *view, double *reached_px) {
     bool is_kept = roam->ground.options.reuse && roam->holds;
     RoamStop stop = is_kept ? ROAM_DONE : begin_anew(roam);
     if (stop == ROAM_DONE && roam->is_full)
-        stop = ROAM_FULL;
+        stop = is_kept ? ROAM_FULL : begin_within_budget(roam, refiner, view);
     else if (stop == ROAM_DONE && !is_kept)
         stop = refine_squares(roam, refiner);
     if (stop == ROAM_DONE && roam->ground.options.reuse)
@@ -51,7 +62,7 @@ static RoamStop refine(Roam *roam, RoamRefiner *refiner, double tau_px, double *
     if (stop != ROAM_FULL)
         return stop;
     roam->track.holds = false;
-    return roam_budget_balance(&roam->budget, refiner, tau_px, reached_px);
+    return roam_budget_balance(&roam->budget, refiner, view->tau_px, reached_px);
 }
 
 // ---- the cut ----
@@ -77,7 +88,7 @@ static Result roam_update(void *state, const LodCall *call, LodCut *cut) {
     int64_t begin = clock_now_ns();
     RoamRefiner refiner = {.mesh = &roam->mesh, .field = &roam->ground.field, .view = refine_view(call->view, tau)};
     roam->mesh.splits = roam->mesh.forced_splits = roam->mesh.merges = 0;
-    roam->holds = refine(roam, &refiner, tau, &cut->reached_px) == ROAM_DONE;
+    roam->holds = refine(roam, &refiner, call->view, &cut->reached_px) == ROAM_DONE;
     if (!roam->holds)
         return RESULT_MEMORY;
     roam->is_full = cut->reached_px > tau;

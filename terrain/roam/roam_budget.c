@@ -4,10 +4,15 @@
 
 #include <math.h>
 
+// From frame to frame the border between what is split and what is not moves little: only priorities about the last one
+// are queued, at first.
+#define WINDOW 1.05
+
 typedef struct Balance {
     RoamBudget *budget;
     RoamRefiner *refiner;
     double tau_px;
+    double lowest_px, highest_px; // splits above the one are queued, and merges below the other
     bool failed;
 } Balance;
 
@@ -45,7 +50,7 @@ static void rank_leaf(Balance *b, int32_t t) {
     if (roam_is_finest(b->refiner, triangle))
         return;
     double priority = priority_of(b, triangle);
-    if (priority > b->tau_px && !roam_heap_push(&b->budget->splits, priority, t))
+    if (priority > b->lowest_px && !roam_heap_push(&b->budget->splits, priority, t))
         b->failed = true;
 }
 
@@ -57,7 +62,10 @@ static void rank_diamond(Balance *b, int32_t t) {
         return;
     t = partner >= 0 && partner < t ? partner : t;
     const RoamTriangle *triangle = &mesh->triangles[t];
-    if (!stays_split(b, triangle) && !roam_heap_push(&b->budget->merges, -priority_of(b, triangle), t))
+    if (stays_split(b, triangle))
+        return;
+    double priority = priority_of(b, triangle);
+    if (priority <= b->highest_px && !roam_heap_push(&b->budget->merges, -priority, t))
         b->failed = true;
 }
 
@@ -129,23 +137,45 @@ static void rank_all(Balance *b) {
     }
 }
 
+// Whether the queues held too little to go on with; they hold more now.
+static bool widen(Balance *b, bool can_merge, bool too_coarse) {
+    bool splits_lack = !too_coarse && b->lowest_px > b->tau_px, merges_lack = !can_merge && b->highest_px < INFINITY;
+    if (!splits_lack && !merges_lack)
+        return false;
+    if (splits_lack)
+        b->lowest_px = fmax(b->tau_px, b->lowest_px / (WINDOW * WINDOW));
+    if (merges_lack)
+        b->highest_px = INFINITY;
+    rank_all(b);
+    return true;
+}
+
+// One split or merge. False: neither helps; *too_coarse, *coarse: what is left to split.
+static bool step(Balance *b, bool *too_coarse, RoamRanked *coarse) {
+    RoamRanked fine = {0};
+    bool can_merge = first_merge(b, &fine), is_inactive = can_merge && -fine.priority <= b->tau_px;
+    *too_coarse = first_split(b, coarse);
+    if (is_inactive)
+        merge(b, fine.triangle);
+    else if (*too_coarse && roam_mesh_has_room(b->refiner->mesh, coarse->triangle))
+        split(b, coarse->triangle);
+    else if (*too_coarse && can_merge && -fine.priority < coarse->priority)
+        merge(b, fine.triangle);
+    else
+        return widen(b, can_merge || !*too_coarse, *too_coarse);
+    return true;
+}
+
 RoamStop roam_budget_balance(RoamBudget *budget, RoamRefiner *refiner, double tau_px, double *reached_px) {
-    Balance b = {budget, refiner, tau_px, false};
+    double expected = budget->reached_px < INFINITY ? budget->reached_px : 0.0;
+    Balance b = {budget, refiner, tau_px, fmax(tau_px, expected / WINDOW), INFINITY, false};
+    if (expected > tau_px)
+        b.highest_px = expected * WINDOW;
     rank_all(&b);
-    RoamRanked coarse = {0}, fine = {0};
+    RoamRanked coarse = {0};
     bool too_coarse = false;
-    while (!b.failed && !refiner->failed) {
-        bool can_merge = first_merge(&b, &fine), is_inactive = can_merge && -fine.priority <= tau_px;
-        too_coarse = first_split(&b, &coarse);
-        if (!is_inactive && !too_coarse)
-            break;
-        if (!is_inactive && roam_mesh_has_room(refiner->mesh, coarse.triangle))
-            split(&b, coarse.triangle);
-        else if (is_inactive || (can_merge && -fine.priority < coarse.priority))
-            merge(&b, fine.triangle);
-        else
-            break;
-    }
-    *reached_px = too_coarse ? coarse.priority : tau_px;
+    while (!b.failed && !refiner->failed && step(&b, &too_coarse, &coarse))
+        continue;
+    budget->reached_px = *reached_px = too_coarse ? coarse.priority : tau_px;
     return b.failed || refiner->failed ? ROAM_FAILED : ROAM_DONE;
 }

@@ -1,6 +1,6 @@
 // terrain/roam/roam_budget.h: the best mesh that a number of triangles allows.
 // Priorities in pixels at the image centre.
-// A RoamBudget owns its queues and keeps their memory; one thread at a time.
+// A RoamBudget owns its queues and keeps their memory; one thread at a time. Zero is an empty one.
 //
 // Source: Duchaineau et al. 1997, section 5: two queues, the triangle with the highest priority is split, the diamond
 // with the lowest merged, until neither helps.
@@ -10,6 +10,7 @@
 
 typedef struct RoamBudget {
     RoamHeap splits, merges;
+    double reached_px; // by the last balance; 0: none yet
 } RoamBudget;
 
 void roam_budget_destroy(RoamBudget *budget);
