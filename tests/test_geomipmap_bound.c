@@ -1,6 +1,7 @@
 // The geomipmap methods with their bound kept, over real ground; without, they promise nothing; holes keep their shape
 // with either.
 #include "base/arena.h"
+#include "base/log.h"
 #include "terrain/mesh/mesh.h"
 #include "tests/cut_support.h"
 
@@ -208,6 +209,34 @@ static void test_a_budget_that_can_not_be_kept_gives_the_coarsest_cut(void **sta
     jobs_destroy(&jobs);
 }
 
+static void count_message(void *user, LogLevel level, const char *message) {
+    (void)level, (void)message;
+    ++*(int *)user;
+}
+
+static void test_tiles_of_other_sides_are_refused(void **state) {
+    (void)state;
+    static const int SIDES[] = {-1, 0, 1, 2, 34, 257, INT32_MAX};
+    Jobs *jobs;
+    assert_int_equal(jobs_create(1, &jobs), RESULT_OK);
+    Terrain *terrain = terrain_of_shape(0, 46.0, jobs);
+    for (size_t i = 0; i < COUNT_OF(SIDES); i++) {
+        LodOptions options = lod_default_options();
+        options.method = METHODS[i % 2];
+        options.tile_side = SIDES[i];
+        int messages = 0;
+        Lod *lod = NULL;
+        log_set_sink(count_message, &messages);
+        Result result = lod_create(&options, terrain, &lod);
+        log_set_sink(NULL, NULL);
+        print_message("side %d: %s, %d messages\n", SIDES[i], result_name(result), messages);
+        assert_int_equal(result, RESULT_RANGE);
+        assert_int_equal(messages, 1);
+    }
+    terrain_destroy(&terrain);
+    jobs_destroy(&jobs);
+}
+
 // ---- holes ----
 
 static bool is_open(int col, int row) {
@@ -280,6 +309,7 @@ int main(void) {
         cmocka_unit_test(test_hard_shapes_are_within_the_tolerance_from_anywhere),
         cmocka_unit_test(test_without_the_bound_nothing_is_promised),
         cmocka_unit_test(test_a_budget_that_can_not_be_kept_gives_the_coarsest_cut),
+        cmocka_unit_test(test_tiles_of_other_sides_are_refused),
         cmocka_unit_test(test_holes_keep_their_shape_at_any_tolerance),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

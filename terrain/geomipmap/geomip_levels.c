@@ -1,6 +1,8 @@
+// terrain/geomipmap/geomip_levels.c: de Boer 2000: the coarsest level whose distance D_m is reached. Ye, Wang,
+// sections 3.1 and 3.3: the coarsest whose error the square of the ground distance allows, and the share of the way to
+// the next. Our own: levels that keep every sample within the tolerance, whatever the borders.
 #include "terrain/geomipmap/geomip_levels.h"
 
-#include "base/log.h"
 #include "terrain/geomipmap/geomip_mesh.h"
 
 #include <math.h>
@@ -223,7 +225,6 @@ Result geomip_levels_create(int32_t tiles, GeomipLevels *out) {
                           .allowed_m = calloc(n, sizeof *out->allowed_m)};
     if (out->drawn && out->wanted && out->limited && out->allowed_m)
         return RESULT_OK;
-    log_error("geomipmap: not enough memory for the levels of %d tiles", tiles);
     geomip_levels_destroy(out);
     return RESULT_MEMORY;
 }

@@ -1,6 +1,7 @@
+// terrain/geomipmap/geomip_tiles.c: de Boer 2000: the terrain in square tiles. Who touches whom, how coarse each may
+// get beside smaller ones and around holes, and boxes around their samples.
 #include "terrain/geomipmap/geomip_tiles.h"
 
-#include "base/log.h"
 #include "terrain/geodesy.h"
 #include "terrain/geomipmap/geomip_error.h"
 #include "terrain/terrain_parts.h"
@@ -160,7 +161,6 @@ Result geomip_tiles_create(const GeomipInput *input, Jobs *jobs, GeomipTiles *ou
     GeomipTiles tiles = {.terrain = input->terrain, .levels = __builtin_ctz((unsigned)input->side) + 1};
     Result result = allocate(input, &tiles);
     if (result != RESULT_OK) {
-        log_error("geomipmap: not enough memory for the tiles; give larger tiles");
         geomip_tiles_destroy(&tiles);
         return result;
     }

@@ -67,7 +67,8 @@ Result lod_create(const LodOptions *options, const Terrain *terrain, Lod **out) 
     lod->ops = METHODS[options->method];
     Result result = lod->ops->create(options, terrain, &lod->state);
     if (result != RESULT_OK) {
-        log_error("level of detail: %s: not enough memory", lod_method_name(options->method));
+        if (result == RESULT_MEMORY) // the method has told anything else
+            log_error("level of detail: %s: not enough memory", lod_method_name(options->method));
         free(lod);
         return result;
     }
