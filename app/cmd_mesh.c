@@ -144,6 +144,8 @@ static void add_split(Json *json, const MeshRun *run) {
     Json *split = json_add_object(json, "split");
     json_add_integer(split, "chosen", run->cut.stats.chosen);
     json_add_integer(split, "closed", run->cut.stats.closed);
+    json_add_number(split, "select_ms", (double)run->cut.stats.select_ns * 1e-6); // evaluation and closure
+    json_add_number(split, "triangles_ms", (double)run->cut.stats.refine_ns * 1e-6);
 }
 
 static Result print_json(const MeshRun *run) {

@@ -13,7 +13,7 @@ typedef struct Generation {
     const DiamondModel *model;
     const uint32_t *bits;
     int plane;
-    size_t *counts;    // [rows of super-squares, of all planes]: indices, then where they begin
+    size_t *counts;    // [rows of super-squares, of all planes, and one]: indices, then where they begin
     size_t row_first;  // of this plane
     uint32_t *indices; // NULL: count only
 } Generation;
@@ -124,14 +124,28 @@ static size_t put_diamond(const Generation *g, DiamondPoint v, int slot, bool fi
     return 3 * ((size_t)first + (size_t)second);
 }
 
+// Nothing is split in the super-square, nor where its diamonds have their parents.
+static bool is_idle(const Generation *g, uint32_t i, uint32_t j, uint32_t own, uint32_t west, uint32_t north) {
+    const DiamondLayout *layout = &g->model->layout;
+    if ((own | west | north) || g->plane + 1 == layout->level_count)
+        return false;
+    uint32_t across = layout->across[g->plane + 1], down = layout->down[g->plane + 1];
+    const uint32_t *next = g->bits + layout->offset[g->plane + 1] + (size_t)(j >> 1) * across + (i >> 1);
+    uint32_t east = (i >> 1) + 1 < across ? next[1] : 0, south = (j >> 1) + 1 < down ? next[across] : 0;
+    return !(*next | east | south);
+}
+
 static size_t put_word(const Generation *g, uint32_t i, uint32_t j, uint32_t *out) {
     const DiamondLayout *layout = &g->model->layout;
     uint32_t word = layout->offset[g->plane] + j * layout->across[g->plane] + i;
-    uint32_t own = g->bits[word], whole = g->model->valid[word] & ~own;
+    uint32_t own = g->bits[word], west = word_at(g, (int64_t)i - 1, j), north = word_at(g, i, (int64_t)j - 1);
+    if (is_idle(g, i, j, own, west, north))
+        return 0;
+    uint32_t whole = g->model->valid[word] & ~own;
     uint32_t halved = g->plane == 0 ? own & DIAMOND_EDGES : 0;
     if (!whole && !halved)
         return 0;
-    Parents edges = edge_parents(own, word_at(g, (int64_t)i - 1, j), word_at(g, i, (int64_t)j - 1));
+    Parents edges = edge_parents(own, west, north);
     Parents centres = whole & DIAMOND_CENTRES ? centre_parents(g, i, j) : (Parents){0, 0};
     uint32_t first = whole & (edges.first | centres.first), second = whole & (edges.second | centres.second);
     if (!out && !halved)
@@ -152,6 +166,8 @@ static void generate_task(void *user, int64_t begin, int64_t end, int worker) {
     (void)worker;
     for (int64_t j = begin; j < end; j++) {
         size_t *here = &g->counts[g->row_first + (size_t)j], count = 0;
+        if (g->indices && here[0] == here[1]) // no triangles
+            continue;
         for (uint32_t i = 0; i < g->model->layout.across[g->plane]; i++)
             count += put_word(g, i, (uint32_t)j, g->indices ? g->indices + *here + count : NULL);
         if (!g->indices)
@@ -174,6 +190,7 @@ static size_t begins_of_counts(size_t *counts, size_t rows) {
         counts[i] = sum;
         sum += count;
     }
+    counts[rows] = sum;
     return sum;
 }
 
@@ -192,7 +209,7 @@ Result diamond_generate_indices(const DiamondModel *model, const uint32_t *bits,
     size_t rows = 0;
     for (int k = 0; k < model->layout.level_count; k++)
         rows += model->layout.down[k];
-    Generation g = {.model = model, .bits = bits, .counts = malloc(sizeof *g.counts * rows)};
+    Generation g = {.model = model, .bits = bits, .counts = malloc(sizeof *g.counts * (rows + 1))};
     if (!g.counts)
         goto fail;
     run_planes(&g, jobs);
