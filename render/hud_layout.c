@@ -86,6 +86,30 @@ static void place_legend_low(HudLayout *layout) {
     layout->legend_low = fits ? rect_round(room) : (CanvasRect){0};
 }
 
+static CanvasRect moved(CanvasRect rect, float x) {
+    return (CanvasRect){rect.x0 + x, rect.y0, rect.x1 + x, rect.y1};
+}
+
+// The scales go to the middle, where neither half has its own.
+static void place_scales_inside(HudLayout *layout) {
+    float x = roundf(layout->centre.x - 16.0f * layout->unit - layout->speed_box.x1);
+    layout->speed_scale = moved(layout->speed_scale, x);
+    layout->speed_box = moved(layout->speed_box, x);
+    layout->speed_title = moved(layout->speed_title, x);
+    layout->speed_notes = moved(layout->speed_notes, x);
+    place_altitude(layout);
+}
+
+void hud_layout_split(HudLayout *layout) {
+    place_scales_inside(layout);
+    float u = layout->unit, x = layout->width * 0.25f, y = layout->centre.y;
+    float beside = layout->speed_box.x0 - x - 20.0f * u;
+    float above = hypotf(fmaxf(x - layout->panel.x1, 0.0f), y - layout->panel.y1) - 4.0f * u;
+    layout->radius = fmaxf(fminf(fminf(layout->radius, beside), above), 20.0f * u);
+    if (layout->panel.x1 > layout->panel.x0)
+        place_legend_low(layout);
+}
+
 static void place_help(HudLayout *layout) {
     float margin = 8.0f * layout->unit;
     layout->help = (CanvasRect){margin, margin, layout->width - margin, layout->height - margin};

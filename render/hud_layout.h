@@ -5,7 +5,7 @@
 #include "render/canvas.h"
 #include "render/render.h"
 
-#define HUD_PANEL_ROWS 15 // at most, with three gaps between groups
+#define HUD_PANEL_ROWS 16 // at most, with three gaps between groups
 
 // Parts do not overlap and lie inside the window from 640 x 400 up; but `ladder` parts move over the picture inside the
 // circle, and `help` replaces all others.
@@ -32,6 +32,10 @@ typedef struct HudLayout {
 
 // `width`, `height` >= 1. `show_panels`: the panel of numbers, the legend, or both; below 640 x 360 there is no room.
 HudLayout hud_layout_make(int width, int height, bool show_panels);
+
+// For two halves with a view each: the scales near the middle, the circle as it fits into a half, its centre the
+// caller's matter.
+void hud_layout_split(HudLayout *layout);
 
 // The camera as the display needs it.
 typedef struct HudView {

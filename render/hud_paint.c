@@ -27,22 +27,31 @@ float hud_baseline(const HudPainter *painter, float middle_y, float size_px) {
     return roundf(middle_y + text_cap_height(painter->text) * size_px * 0.5f);
 }
 
+// What lies over directions lies over those of each half.
+static void paint_half(const HudPainter *painter, const RenderPacket *packet, float x0, float x1) {
+    HudPainter half = *painter;
+    half.layout.centre.x = 0.5f * (x0 + x1);
+    half.view.centre_x = (double)half.layout.centre.x;
+    hud_paint_attitude(&half, packet);
+}
+
 void hud_paint_flight(const HudPainter *painter, const RenderPacket *packet) {
-    hud_paint_attitude(painter, packet);
+    float width = painter->layout.width, middle = (float)render_left_width((int)width);
+    if (packet->split) {
+        paint_half(painter, packet, 0.0f, middle);
+        paint_half(painter, packet, middle, width);
+    } else {
+        hud_paint_attitude(painter, packet);
+    }
     hud_paint_scales(painter, &packet->hud);
 }
 
-// Broken where the instruments lie.
+// Below the heading, where that is shown.
 void hud_paint_divider(const HudPainter *painter, const RenderPacket *packet) {
     const HudLayout *layout = &painter->layout;
-    float x = (float)render_left_width((int)layout->width), width = 1.5f * layout->unit, y = 0.0f;
+    float x = (float)render_left_width((int)layout->width), width = 1.5f * layout->unit;
+    float y = packet->hud.show_flight && !packet->hud.show_help ? layout->heading.y1 : 0.0f;
     CanvasColour colour = hud_faded(HUD_INK, 0.8);
-    if (packet->hud.show_flight && !packet->hud.show_help) {
-        float ring = layout->radius + 20.0f * layout->unit;
-        canvas_line(painter->canvas, (CanvasPoint){x, layout->heading.y1}, (CanvasPoint){x, layout->centre.y - ring},
-                    width, colour);
-        y = layout->centre.y + ring;
-    }
     canvas_line(painter->canvas, (CanvasPoint){x, y}, (CanvasPoint){x, layout->height}, width, colour);
 }
 
@@ -73,8 +82,10 @@ void hud_paint(Canvas *canvas, Text *text, const RenderPacket *packet, const Ren
                           .layout = hud_layout_make(width, height, wants_panels(packet)),
                           .view = hud_view_make(&packet->camera, width, height)};
     canvas_begin(canvas, painter.layout.unit);
-    if (packet->split)
+    if (packet->split) {
+        hud_layout_split(&painter.layout);
         hud_paint_divider(&painter, packet);
+    }
     if (hud->show_help) {
         hud_paint_help(&painter, hud);
         return;

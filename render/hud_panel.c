@@ -156,6 +156,7 @@ void hud_paint_numbers(const HudPainter *painter, const RenderPacket *packet, co
     add_tolerance(&rows, &side);
     add_gap(&rows);
     add_cut(&rows, &packet->cut.stats);
+    add_partitions(&rows, &packet->cut.stats);
     add_gap(&rows);
     add_times(&rows, &side, drawn->software);
     add_frame(&rows, &packet->hud);

@@ -111,6 +111,7 @@ static Result brute_update(void *state, const LodCall *call, LodCut *cut) {
         cut->stats.index_bytes += first ? (int64_t)sizeof(uint16_t) * items[i].index_count : 0;
     }
     cut->stats.triangles_rebuilt = first ? cut->stats.triangles : 0;
+    cut->stats.partitions = 1;
     cut->stats.refine_ns = clock_now_ns() - begin;
     cut->items = items;
     cut->item_count = b->leaves.count;

@@ -319,6 +319,7 @@ static Result refine_at(void *user, double tau_px, LodStats *stats) {
         stats->patches_reused += !h->selected[i].stale;
     }
     stats->patches = h->selection.count;
+    stats->partitions = u.partitions;
     return result;
 }
 
