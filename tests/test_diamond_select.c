@@ -253,10 +253,10 @@ typedef struct World {
     LodView view;
 } World;
 
-static World world_of(const DemGeoref *georef) {
+static World world_of_size(const DemGeoref *georef, int width, int height) {
     World w = {0};
     assert_int_equal(jobs_create(2, &w.jobs), RESULT_OK);
-    w.terrain = support_terrain(support_rough_dem(150, 131, georef, 900.0, SEED), TERRAIN_ERROR_TOTAL, 6, w.jobs);
+    w.terrain = support_terrain(support_rough_dem(width, height, georef, 900.0, SEED), TERRAIN_ERROR_TOTAL, 6, w.jobs);
     assert_int_equal(diamond_model_create(w.terrain, DIAMOND_FIELD_DATUM | DIAMOND_FIELD_DEGREES, 1, w.jobs, &w.model),
                      RESULT_OK);
     assert_int_equal(diamond_generate_errors(&w.model, w.jobs, NULL), RESULT_OK);
@@ -264,6 +264,10 @@ static World world_of(const DemGeoref *georef) {
     assert_non_null(w.bits);
     w.view = support_view(support_eye(w.terrain, 60.0, 70.0, 500.0), 1.5);
     return w;
+}
+
+static World world_of(const DemGeoref *georef) {
+    return world_of_size(georef, 150, 131);
 }
 
 static void world_end(World *w) {
@@ -453,6 +457,75 @@ static void test_tolerance_as_a_selection_is_the_tolerance(void **state) {
     world_end(&w);
 }
 
+// ---- runs of super-squares ----
+
+static void append(char *text, const char *piece) {
+    assert_true(strlen(text) + strlen(piece) < 2000);
+    strcat(text, piece);
+}
+
+static void append_number(uint64_t *random, char *text, int depth) {
+    static const char *const numbers[] = {"error", "px",  "distance", "height", "level",
+                                          "step",  "tau", "0.5",      "3",      "200"};
+    static const char *const signs[] = {" + ", " - ", " * "};
+    if (depth == 0 || support_random(random) % 2) {
+        append(text, numbers[support_random(random) % COUNT_OF(numbers)]);
+        return;
+    }
+    append(text, "(");
+    append_number(random, text, depth - 1);
+    append(text, signs[support_random(random) % COUNT_OF(signs)]);
+    append_number(random, text, depth - 1);
+    append(text, ")");
+}
+
+static void append_condition(uint64_t *random, char *text, int depth) {
+    static const char *const conditions[] = {"tolerance", "inview", "within(49.93, 19.05, 700)", "step < 4",
+                                             "box(19.1, 49.9, 19.2, 49.95)"};
+    static const char *const signs[] = {" < ", " <= ", " > ", " >= "};
+    uint64_t kind = support_random(random) % 6;
+    append(text, kind == 0 ? "!(" : "(");
+    if (depth == 0 || kind == 1) {
+        append(text, conditions[support_random(random) % COUNT_OF(conditions)]);
+    } else if (kind == 2) {
+        append_number(random, text, 2);
+        append(text, signs[support_random(random) % COUNT_OF(signs)]);
+        append_number(random, text, 2);
+    } else {
+        append_condition(random, text, depth - 1);
+        append(text, support_random(random) % 2 ? " && " : " || ");
+        append_condition(random, text, depth - 1);
+    }
+    append(text, ")");
+}
+
+static void test_what_is_foreseen_for_a_run_is_what_each_diamond_says(void **state) {
+    (void)state;
+    uint64_t random = SEED;
+    World w = world_of_size(&HILLS, 420, 300);
+    size_t bytes = sizeof *w.bits * w.model.layout.word_count;
+    uint32_t *each = malloc(bytes);
+    DiamondRun *runs = w.model.runs;
+    assert_non_null(each);
+    for (int i = 0; i < 150; i++) {
+        char text[2048] = "";
+        append_condition(&random, text, 3);
+        w.view = support_view(support_eye(w.terrain, support_between(&random, 0.0, 420.0),
+                                          support_between(&random, 0.0, 300.0), support_between(&random, 5.0, 4000.0)),
+                              2.0);
+        w.model.runs = NULL;
+        evaluate(&w, text);
+        memcpy(each, w.bits, bytes);
+        w.model.runs = runs;
+        evaluate(&w, text);
+        if (memcmp(each, w.bits, bytes) != 0)
+            fail_msg("'%s': %" PRId64 " split, asking each %" PRId64, text, diamond_count(&w.model, w.bits),
+                     diamond_count(&w.model, each));
+    }
+    free(each);
+    world_end(&w);
+}
+
 // ---- meshes ----
 
 static void check_mesh(Terrain *terrain, Jobs *jobs, const char *text, Arena *frame) {
@@ -549,6 +622,7 @@ int main(void) {
         cmocka_unit_test(test_deep_and_long_selections_are_refused_before_they_harm),
         cmocka_unit_test(test_each_word_selects_what_it_says),
         cmocka_unit_test(test_tolerance_as_a_selection_is_the_tolerance),
+        cmocka_unit_test(test_what_is_foreseen_for_a_run_is_what_each_diamond_says),
         cmocka_unit_test(test_any_selection_gives_a_whole_mesh),
         cmocka_unit_test(test_a_selection_above_the_budget_is_refused_by_name),
     };

@@ -11,7 +11,6 @@
 
 // Of what is computed with positions: roundings of 2^-24, relative to the largest coordinate.
 #define VIEW_ROUNDING 5e-7
-#define RUN_GROW 1.0002f // relative, of a bound of many diamonds beside the rounding of each
 
 // ---- the view ----
 
@@ -77,10 +76,6 @@ typedef struct Machine {
     int depth;
 } Machine;
 
-static float truth(bool value) {
-    return value ? 1.0f : 0.0f;
-}
-
 static void push_constant(Machine *m, float value) {
     float *top = m->stack[m->depth++];
     for (int i = 0; i < m->n.count; i++)
@@ -91,43 +86,49 @@ static void push_copy(Machine *m, const float *values) {
     memcpy(m->stack[m->depth++], values, sizeof *values * (size_t)m->n.count);
 }
 
+SIMD_CLONES
 static void push_px(Machine *m) {
     float *top = m->stack[m->depth++];
     for (int i = 0; i < m->n.count; i++)
         top[i] = diamond_px(m->n.error_m[i], m->n.reach_m[i], m->square[i], m->view->px_per_rad, m->view->slack_m);
 }
 
+SIMD_CLONES
 static void push_distance(Machine *m) {
     float *top = m->stack[m->depth++];
     for (int i = 0; i < m->n.count; i++)
         top[i] = diamond_root(m->square[i]);
 }
 
+SIMD_CLONES
 static void push_tolerance(Machine *m) {
     float *top = m->stack[m->depth++];
     for (int i = 0; i < m->n.count; i++)
-        top[i] =
-            truth(diamond_tolerance(m->n.error_m[i], m->n.reach_m[i], m->square[i], m->view->nu, m->view->slack_m));
+        top[i] = diamond_truth(
+            diamond_tolerance(m->n.error_m[i], m->n.reach_m[i], m->square[i], m->view->nu, m->view->slack_m));
 }
 
+SIMD_CLONES
 static void push_inview(Machine *m) {
     const float *eye = m->view->eye;
     float *top = m->stack[m->depth++];
     for (int i = 0; i < m->n.count; i++)
-        top[i] = truth(diamond_inview(m->n.x[i] - eye[0], m->n.y[i] - eye[1], m->n.z[i] - eye[2], m->n.reach_m[i],
-                                      m->view->slack_m, m->view->plane));
+        top[i] = diamond_truth(diamond_inview(m->n.x[i] - eye[0], m->n.y[i] - eye[1], m->n.z[i] - eye[2],
+                                              m->n.reach_m[i], m->view->slack_m, m->view->plane));
 }
 
+SIMD_CLONES
 static void push_within(Machine *m, const float *c) {
     float *top = m->stack[m->depth++];
     for (int i = 0; i < m->n.count; i++)
-        top[i] = truth(diamond_within(m->n.x[i], m->n.y[i], m->n.z[i], m->n.reach_m[i], m->view->slack_m, c));
+        top[i] = diamond_truth(diamond_within(m->n.x[i], m->n.y[i], m->n.z[i], m->n.reach_m[i], m->view->slack_m, c));
 }
 
+SIMD_CLONES
 static void push_box(Machine *m, const float *c) {
     float *top = m->stack[m->depth++];
     for (int i = 0; i < m->n.count; i++)
-        top[i] = truth(diamond_box(m->n.east_deg[i], m->n.north_deg[i], m->n.reach_m[i], c));
+        top[i] = diamond_truth(diamond_box(m->n.east_deg[i], m->n.north_deg[i], m->n.reach_m[i], c));
 }
 
 static void run_operand(Machine *m, DiamondOp op, const float *c) {
@@ -171,42 +172,22 @@ static void run_operand(Machine *m, DiamondOp op, const float *c) {
     }
 }
 
+SIMD_CLONES
 static void run_unary(Machine *m, DiamondOp op) {
     float *a = m->stack[m->depth - 1];
     for (int i = 0; i < m->n.count; i++)
-        a[i] = op == DIAMOND_OP_NEGATE ? -a[i] : truth(a[i] == 0.0f);
+        a[i] = diamond_altered(op, a[i]);
 }
 
-static inline float joined(DiamondOp op, float a, float b) {
-    switch (op) {
-    case DIAMOND_OP_ADD:
-        return a + b;
-    case DIAMOND_OP_SUBTRACT:
-        return a - b;
-    case DIAMOND_OP_MULTIPLY:
-        return a * b;
-    case DIAMOND_OP_LESS:
-        return truth(a < b);
-    case DIAMOND_OP_LESS_EQUAL:
-        return truth(a <= b);
-    case DIAMOND_OP_GREATER:
-        return truth(a > b);
-    case DIAMOND_OP_GREATER_EQUAL:
-        return truth(a >= b);
-    case DIAMOND_OP_AND:
-        return truth(a != 0.0f && b != 0.0f);
-    default: // OR
-        return truth(a != 0.0f || b != 0.0f);
-    }
-}
-
+SIMD_CLONES
 static void run_binary(Machine *m, DiamondOp op) {
     const float *b = m->stack[--m->depth];
     float *a = m->stack[m->depth - 1];
     for (int i = 0; i < m->n.count; i++)
-        a[i] = joined(op, a[i], b[i]);
+        a[i] = diamond_joined(op, a[i], b[i]);
 }
 
+SIMD_CLONES
 static void add_program(Machine *m, const DiamondProgram *program, uint32_t mask, uint32_t *bits) {
     const float *eye = m->view->eye;
     for (int i = 0; i < m->n.count; i++)
@@ -267,21 +248,19 @@ static void evaluate_program(const Evaluation *e, int plane, uint32_t word, int 
     }
 }
 
-// Whether some diamond of the run may be split by the tolerance; more than the rounding of both sides to spare.
-static bool may_split(const DiamondRun *run, const DiamondView *view) {
-    float x = run->x - view->eye[0], y = run->y - view->eye[1], z = run->z - view->eye[2];
-    float limit = view->nu * run->error_m + diamond_reach(run->error_m, run->radius_m, view->slack_m);
-    return run->error_m >= 0.0f && !((limit * limit) * RUN_GROW < diamond_distance2(x, y, z));
-}
-
 static void evaluate_run(const Evaluation *e, uint32_t run) {
     const DiamondModel *model = e->model;
     DiamondSpan span = diamond_run_span(model, run);
     uint32_t bits[DIAMOND_RUN] = {0};
-    if (!e->plain)
-        evaluate_program(e, span.plane, span.begin, span.count, bits);
-    else if (!model->runs || may_split(&model->runs[run], e->view))
+    DiamondAnswer answer = model->runs
+                               ? diamond_forecast(e->program, e->view, &model->runs[run], (float)(1 << span.plane))
+                               : DIAMOND_ANSWER_ASK;
+    if (answer == DIAMOND_ANSWER_ALL)
+        memset(bits, 0xFF, sizeof bits);
+    else if (answer == DIAMOND_ANSWER_ASK && e->plain)
         evaluate_plain(e, span.begin, span.count, bits);
+    else if (answer == DIAMOND_ANSWER_ASK)
+        evaluate_program(e, span.plane, span.begin, span.count, bits);
     for (int i = 0; i < span.count; i++) {
         uint32_t word = span.begin + (uint32_t)i;
         e->bits[word] = (bits[i] & model->valid[word]) | model->always[word];

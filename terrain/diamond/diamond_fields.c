@@ -7,27 +7,35 @@
 #include "terrain/terrain_parts.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 // As terrain_create does: a bilinear undulation between samples so far apart is within a millimetre.
 #define UNDULATION_STRIDE_M 1000.0
 
 typedef struct Filling {
     DiamondModel *model;
-    int stride; // samples between undulations
+    int stride;          // samples between undulations
+    int across;          // undulations a row
+    double *undulations; // [height][across], metres; NULL: nobody asks
     int plane;
 } Filling;
 
-static double undulation(const Filling *f, int col, int row) {
-    double lat, lon;
-    grid_geodetic(f->model->terrain->grid, (double)col, (double)row, &lat, &lon);
-    return terrain_undulation_m(f->model->terrain, lat, lon);
+static void undulation_task(void *user, int64_t begin, int64_t end, int worker) {
+    const Filling *f = user;
+    const Terrain *terrain = f->model->terrain;
+    (void)worker;
+    for (int64_t row = begin; row < end; row++)
+        for (int i = 0; i < f->across; i++) {
+            double lat, lon;
+            grid_geodetic(terrain->grid, (double)i * f->stride, (double)row, &lat, &lon);
+            f->undulations[row * f->across + i] = terrain_undulation_m(terrain, lat, lon);
+        }
 }
 
-// Between the undulations west and east of a column.
-static double undulation_between(const Filling *f, DiamondPoint v) {
-    int west = v.col / f->stride * f->stride;
-    double here = undulation(f, west, v.row);
-    return west == v.col ? here : here + (undulation(f, west + f->stride, v.row) - here) * (v.col - west) / f->stride;
+static float datum_height(const Filling *f, DiamondPoint v) {
+    const double *west = f->undulations + (size_t)v.row * (size_t)f->across + (size_t)(v.col / f->stride);
+    double undulation = west[0] + (west[1] - west[0]) * (v.col % f->stride) / f->stride;
+    return (float)((double)f->model->height_m[diamond_sample(&f->model->layout, v)] - undulation);
 }
 
 static void fill_degrees(const Filling *f, size_t entry, DiamondPoint v) {
@@ -47,9 +55,7 @@ static void fill_entry(const Filling *f, size_t entry, DiamondPoint v) {
     DiamondModel *model = f->model;
     bool inside = diamond_is_inside(&model->layout, v);
     if (model->datum_m)
-        model->datum_m[entry] =
-            inside ? (float)((double)model->height_m[diamond_sample(&model->layout, v)] - undulation_between(f, v))
-                   : 0.0f;
+        model->datum_m[entry] = inside ? datum_height(f, v) : 0.0f;
     if (!model->east_deg)
         return;
     model->east_deg[entry] = model->north_deg[entry] = 0.0f;
@@ -69,11 +75,21 @@ static void fill_task(void *user, int64_t begin, int64_t end, int worker) {
             }
 }
 
-void diamond_fields_fill(DiamondModel *model, Jobs *jobs) {
+Result diamond_fields_fill(DiamondModel *model, Jobs *jobs) {
     if (!model->datum_m && !model->east_deg)
-        return;
-    GridBounds bounds = grid_bounds(model->terrain->grid, 0, model->layout.height - 1, 0.0);
+        return RESULT_OK;
+    const DiamondLayout *layout = &model->layout;
+    GridBounds bounds = grid_bounds(model->terrain->grid, 0, layout->height - 1, 0.0);
     Filling f = {.model = model, .stride = (int)fmin(64.0, fmax(1.0, UNDULATION_STRIDE_M / bounds.across_m))};
-    for (f.plane = 0; f.plane < model->layout.level_count; f.plane++)
-        diamond_run_rows(jobs, &model->layout, f.plane, fill_task, &f);
+    f.across = (layout->width - 1) / f.stride + 2;
+    if (model->datum_m) {
+        f.undulations = malloc(sizeof *f.undulations * (size_t)layout->height * (size_t)f.across);
+        if (!f.undulations)
+            return RESULT_MEMORY;
+        jobs_run(jobs, layout->height, 16, undulation_task, &f);
+    }
+    for (f.plane = 0; f.plane < layout->level_count; f.plane++)
+        diamond_run_rows(jobs, layout, f.plane, fill_task, &f);
+    free(f.undulations);
+    return RESULT_OK;
 }

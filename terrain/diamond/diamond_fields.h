@@ -4,5 +4,5 @@
 #pragma once
 #include "terrain/diamond/diamond.h"
 
-// Fills those of datum_m, east_deg and north_deg that the model has room for.
-void diamond_fields_fill(DiamondModel *model, Jobs *jobs);
+// Fills those of datum_m, east_deg and north_deg that the model has room for. MEMORY.
+MUST_USE Result diamond_fields_fill(DiamondModel *model, Jobs *jobs);

@@ -94,3 +94,39 @@ static inline uint32_t diamond_popcount(uint32_t word) {
     word = (word + (word >> 4)) & 0x0F0F;
     return (word + (word >> 8)) & 0x1F;
 }
+
+static inline float diamond_truth(bool value) {
+    return value ? 1.0f : 0.0f;
+}
+
+// What an operation with one operand leaves on the stack, and one with two.
+static inline float diamond_altered(DiamondOp op, float a) {
+    return op == DIAMOND_OP_NEGATE ? -a : diamond_truth(a == 0.0f);
+}
+static inline float diamond_joined(DiamondOp op, float a, float b) {
+    switch (op) {
+    case DIAMOND_OP_ADD:
+        return a + b;
+    case DIAMOND_OP_SUBTRACT:
+        return a - b;
+    case DIAMOND_OP_MULTIPLY:
+        return a * b;
+    case DIAMOND_OP_LESS:
+        return diamond_truth(a < b);
+    case DIAMOND_OP_LESS_EQUAL:
+        return diamond_truth(a <= b);
+    case DIAMOND_OP_GREATER:
+        return diamond_truth(a > b);
+    case DIAMOND_OP_GREATER_EQUAL:
+        return diamond_truth(a >= b);
+    case DIAMOND_OP_AND:
+        return diamond_truth(a != 0.0f && b != 0.0f);
+    default: // OR
+        return diamond_truth(a != 0.0f || b != 0.0f);
+    }
+}
+
+// What a program says of all diamonds of a run that are not split anyway.
+typedef enum DiamondAnswer { DIAMOND_ANSWER_NONE, DIAMOND_ANSWER_ALL, DIAMOND_ANSWER_ASK } DiamondAnswer;
+DiamondAnswer diamond_forecast(const DiamondProgram *program, const DiamondView *view, const DiamondRun *run,
+                               float step);

@@ -209,8 +209,7 @@ static Result make(Making *m, unsigned fields, Jobs *jobs) {
     make_terms(model);
     for (m->plane = 0; m->plane < layout->level_count; m->plane++)
         diamond_run_rows(jobs, layout, m->plane, word_task, m);
-    diamond_fields_fill(model, jobs);
-    return RESULT_OK;
+    return diamond_fields_fill(model, jobs);
 }
 
 Result diamond_model_create(const Terrain *terrain, unsigned fields, uint64_t id, Jobs *jobs, DiamondModel *out) {
