@@ -164,7 +164,7 @@ static Result fly_terrain(Flight *flight, ReportTable *table) {
 
 static Result fly_all(Reproduce *run) {
     int sides[REPRODUCE_SIDES_MAX];
-    int count = reproduce_sides(run, "table 2", SIDES, COUNT_OF(SIDES), 2, sides);
+    int count = reproduce_sides(run, "table 2", SIDES, COUNT_OF(SIDES), 3, sides);
     double seconds = reproduce_seconds(run, "table 2", FULL_SECONDS, QUICK_SECONDS);
     Flight flight = {.run = run, .frames = (int)fmax(1.0, seconds * REPRODUCE_FRAME_HZ)};
     ReportTable *table = report_add_table(&run->report, &TABLE);

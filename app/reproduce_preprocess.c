@@ -143,7 +143,7 @@ static Result preprocess_side(Reproduce *run, int side, ReportTable *table) {
 
 Result reproduce_preprocess(Reproduce *run) {
     int sides[REPRODUCE_SIDES_MAX];
-    int count = reproduce_sides(run, "table 1", SIDES, COUNT_OF(SIDES), 2, sides);
+    int count = reproduce_sides(run, "table 1", SIDES, COUNT_OF(SIDES), 3, sides);
     ReportTable *table = report_add_table(&run->report, &TABLE);
     report_note(&run->report.set_up,
                 "Table 1: rough synthetic ground, median of %d rounds, interleaved; the papers' error is 'midpoint', "
