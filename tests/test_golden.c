@@ -25,7 +25,7 @@
 #include "render/context.h"
 
 #define SKIP_STATUS 77
-#define ARGUMENTS_MAX 24
+#define ARGUMENTS_MAX 28
 #define GOLDEN_FOLDER SOURCE_DIR "/tests/golden"
 
 // The mean difference over all channels, of 255, and the share of pixels in which a channel differs by more than FAR.
@@ -39,8 +39,10 @@
 
 typedef struct View {
     const char *name;
-    const char *arguments[10];
+    const char *arguments[16];
 } View;
+
+#define METHOD_EYE "--eye", "36.47,-84.40,1800m", "--look", "48,-18"
 
 static const View VIEWS[] = {
     {"start", {NULL}},
@@ -53,6 +55,16 @@ static const View VIEWS[] = {
     {"compare", {"--compare", "brute", "--colour", "level", "--wireframe", "--tau", "6"}},
     {"compare-names", {"--compare", "roam", "--tau", "8", "--wireframe", "--size", "640x400"}},
     {"brute", {"--method", "brute", "--eye", "36.40,-84.46,7000m", "--look", "48,-24"}},
+    {"method-hybrid", {"--method", "hybrid", "--colour", "level", "--wireframe", "--tau", "4", METHOD_EYE}},
+    {"method-patch", {"--method", "patch", "--colour", "level", "--wireframe", "--tau", "4", METHOD_EYE}},
+    {"method-roam", {"--method", "roam", "--colour", "level", "--wireframe", "--tau", "4", METHOD_EYE}},
+    {"method-roam-parallel",
+     {"--method", "roam-parallel", "--colour", "partition", "--wireframe", "--tau", "4", METHOD_EYE, "--partitions",
+      "4"}},
+    {"method-geomipmap", {"--method", "geomipmap", "--colour", "level", "--wireframe", "--tau", "4", METHOD_EYE}},
+    {"method-geomipmap-ye", {"--method", "geomipmap-ye", "--colour", "level", "--wireframe", "--tau", "4", METHOD_EYE}},
+    {"method-diamond", {"--method", "diamond", "--colour", "level", "--wireframe", "--tau", "4", METHOD_EYE}},
+    {"method-diamond-gpu", {"--method", "diamond", "--compute", "gpu", "--colour", "level", "--tau", "4", METHOD_EYE}},
 };
 
 typedef struct Picture {
