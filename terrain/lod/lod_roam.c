@@ -21,6 +21,7 @@ typedef struct Roam {
     RoamTrack track;
     RoamBudget budget;
     RoamScratch scratch;
+    double nu;    // of the last frame
     bool holds;   // the mesh is that of the last frame
     bool is_full; // the budget was reached in the last frame
 } Roam;
@@ -49,16 +50,21 @@ static RoamStop begin_within_budget(Roam *roam, RoamRefiner *refiner, const LodV
     return stop == ROAM_FAILED ? ROAM_FAILED : ROAM_FULL;
 }
 
+// With another tolerance or lens nothing is known of any vertex, and a mesh in the bintree's order is made sooner than
+// an old one is gone through. Whoever zooms on and on does not pay for a queue that is never used.
+static bool is_kept(const Roam *roam, const RoamRefiner *refiner) {
+    return roam->ground.options.reuse && roam->holds && (roam->is_full || roam->nu == refiner->view.nu);
+}
+
 // Where the budget was reached in the frame before, it is likely to be again: priorities are compared from the start.
 static RoamStop refine(Roam *roam, RoamRefiner *refiner, const LodView *view, double *reached_px) {
-    bool is_kept = roam->ground.options.reuse && roam->holds;
-    RoamStop stop = is_kept ? ROAM_DONE : begin_anew(roam);
+    bool kept = is_kept(roam, refiner);
+    RoamStop stop = kept ? ROAM_DONE : begin_anew(roam);
     if (stop == ROAM_DONE && roam->is_full)
-        stop = is_kept ? ROAM_FULL : begin_within_budget(roam, refiner, view);
-    else if (stop == ROAM_DONE && !is_kept)
-        stop = refine_squares(roam, refiner);
-    if (stop == ROAM_DONE && roam->ground.options.reuse)
-        stop = roam_track_update(&roam->track, refiner);
+        stop = kept ? ROAM_FULL : begin_within_budget(roam, refiner, view);
+    else if (stop == ROAM_DONE)
+        stop = kept ? roam_track_update(&roam->track, refiner) : refine_squares(roam, refiner);
+    roam->nu = refiner->view.nu;
     if (stop != ROAM_FULL)
         return stop;
     roam->track.holds = false;
