@@ -8,6 +8,7 @@
 #include "render/target.h"
 #include "render/timing.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 #define VRAM_BYTES_DEFAULT ((size_t)256 << 20)
@@ -98,6 +99,7 @@ void render_tell_cut(const RenderResident *resident, LodCut *cut) {
     if (!resident->made)
         return;
     cut->reached_px = resident->reached_px;
+    cut->promises = cut->promises && isfinite(resident->reached_px);
     cut->stats.triangles = cut->stats.triangles_rebuilt = resident->triangles;
     cut->stats.patches = 1;
     cut->stats.select_ns = (int64_t)((resident->evaluate_ms + resident->close_ms) * 1e6);

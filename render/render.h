@@ -65,7 +65,7 @@ typedef struct RenderPacket {
 typedef struct RenderResident {
     bool made; // false: the cut was not resident
     int64_t triangles;
-    double reached_px;                        // as LodCut has it
+    double reached_px;                        // as LodCut has it; INFINITY: triangles are left out for lack of room
     double evaluate_ms, close_ms, indices_ms; // the phases of terrain/diamond
 } RenderResident;
 // The cut with the numbers that only the renderer knows, where it made it.

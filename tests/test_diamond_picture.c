@@ -14,6 +14,7 @@
 #include "base/arena.h"
 #include "cut_support.h"
 #include "gl_support.h"
+#include "heard.h"
 #include "render/diamond/diamond_pass.h"
 #include "render/gl.h"
 #include "render/render.h"
@@ -305,6 +306,36 @@ static void without_waiting_later_frames_keep_the_budget(void **state) {
     assert_true(stats.resident.reached_px > 0.25 && isfinite(stats.resident.reached_px));
 }
 
+// A selection has no tolerance to raise: what there is room for is drawn, and nothing is promised.
+static void a_selection_beyond_the_room_promises_nothing(void **state) {
+    (void)state;
+    Stage stage = stage_begin(1000);
+    DiamondSelect *select = NULL;
+    assert_int_equal(diamond_select_create("tolerance || level < 99", NULL, &select), RESULT_OK);
+    LodOptions options = lod_default_options();
+    options.method = LOD_DIAMOND;
+    options.resident = true;
+    options.serial = 2;
+    options.max_triangles = 1000;
+    options.select = select;
+    lod_destroy(&stage.lods[1]);
+    assert_int_equal(lod_create(&options, stage.terrain, &stage.lods[1]), RESULT_OK);
+    RenderCamera camera = camera_at(&stage, 0.5, 0.5, 500.0, 0.3, 0.4);
+    RenderPacket packet = packet_of(&camera);
+    Heard heard;
+    heard_begin(&heard);
+    LodCut cut = draw(&stage, 1, &packet, 1.0);
+    draw(&stage, 1, &packet, 1.0);
+    heard_end();
+    print_message("%" PRId64 " triangles, said: %s\n", cut.stats.triangles, heard.text);
+    int64_t drawn = stage.stats.triangles_drawn;
+    stage_end(&stage);
+    diamond_select_destroy(&select);
+    assert_true(packet.cut.promises && !cut.promises && isinf(cut.reached_px));
+    assert_true(drawn > 1000 && drawn < 2 * 326 * 467);
+    assert_non_null(strstr(heard.text, "--max-triangles"));
+}
+
 // A method changed in flight: memory goes with the last resident cut, and comes back with the next.
 static void memory_of_the_gpu_follows_the_cuts(void **state) {
     (void)state;
@@ -331,6 +362,7 @@ int main(void) {
         cmocka_unit_test(levels_have_colours_of_their_own),
         cmocka_unit_test(a_budget_raises_the_tolerance_as_on_the_processor),
         cmocka_unit_test(without_waiting_later_frames_keep_the_budget),
+        cmocka_unit_test(a_selection_beyond_the_room_promises_nothing),
         cmocka_unit_test(memory_of_the_gpu_follows_the_cuts),
     };
     Context *context = NULL;
