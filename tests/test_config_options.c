@@ -98,7 +98,7 @@ static void wrong_options_are_named_with_what_was_expected(void **state) {
         {{"--no-widnow"}, 1, "--no-widnow"},
         {{"--metod", "brute"}, 2, "did you mean '--method'"},
         {{"--method", "hybird"}, 2, "did you mean 'hybrid'"},
-        {{"--method", "best"}, 2, "one of hybrid, brute"},
+        {{"--method", "best"}, 2, "one of hybrid, patch, roam, roam-parallel, geomipmap, geomipmap-ye, diamond, brute"},
         {{"--tau", "0"}, 2, "from 0.01 to 1000"},
         {{"--tau", "1e9"}, 2, "from 0.01 to 1000"},
         {{"--tau"}, 1, "a value is missing"},
