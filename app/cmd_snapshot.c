@@ -97,9 +97,12 @@ static Result print_json(const Snapshot *snapshot) {
     json_add_number(json, "tau_px", options_number(snapshot->options, OPTION_TAU));
     const double left_ms[] = {times.refine.max, times.upload.max, times.draw.max};
     add_cut(json, &stats.cut, stats.render.triangles_drawn, left_ms);
+    compute_add_json(json, &stats.render.resident);
     if (stats.split) {
         const double right_ms[] = {times.right_refine.max, times.right_upload.max, times.right_draw.max};
-        add_cut(json_add_object(json, "right"), &stats.right, stats.render.right.triangles_drawn, right_ms);
+        Json *right = json_add_object(json, "right");
+        add_cut(right, &stats.right, stats.render.right.triangles_drawn, right_ms);
+        compute_add_json(right, &stats.render.right.resident);
     }
     json_add_text(json, "renderer", context_renderer_name(snapshot->context));
     json_add_bool(json, "software", context_is_software(snapshot->context));

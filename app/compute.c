@@ -22,3 +22,13 @@ Result compute_choose(const Options *options, Context *context, const Terrain *t
         log_debug("diamonds are computed on the processor: %s", why);
     return RESULT_OK;
 }
+
+void compute_add_json(Json *json, const RenderResident *resident) {
+    if (!resident->made)
+        return;
+    Json *compute = json_add_object(json, "compute");
+    json_add_text(compute, "where", "gpu");
+    json_add_number(compute, "evaluation_ms", resident->evaluate_ms);
+    json_add_number(compute, "closure_ms", resident->close_ms);
+    json_add_number(compute, "indices_ms", resident->indices_ms);
+}

@@ -1,5 +1,6 @@
 #include "app/flight_report.h"
 
+#include "app/compute.h"
 #include "app/json.h"
 #include "base/log.h"
 #include "terrain/geodesy.h"
@@ -74,6 +75,7 @@ static void add_right(Json *json, const PipelineStats *stats, const PipelineTime
         return;
     Json *right = json_add_object(json, "right");
     add_cut(right, &stats->right, stats->render.right.triangles_drawn);
+    compute_add_json(right, &stats->render.right.resident);
     add_times(right, "refine_ms", times->right_refine);
     add_times(right, "upload_ms", times->right_upload);
     add_times(right, "draw_ms", times->right_draw);
@@ -95,6 +97,7 @@ static void add_frames(Json *json, const PipelineStats *stats, const PipelineTim
     double frames = stats->frames > 0 ? (double)stats->frames : NAN;
     json_add_integer(json, "frames", stats->frames);
     add_cut(json, &stats->cut, stats->render.triangles_drawn);
+    compute_add_json(json, &stats->render.resident);
     json_add_number(json, "triangles_mean", (double)stats->triangles_sum / frames);
     json_add_integer(json, "vram_bytes", stats->render.vram_bytes);
     add_times(json, "frame_ms", times->frame);
