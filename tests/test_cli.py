@@ -258,6 +258,16 @@ def a_budget_below_the_smallest_mesh_says_so(cli):
     expect(f"an error of 1e12 px in {text.err!r} and {text.out!r}", "e+12" in text.err + text.out, False)
 
 
+def partitions_draw_the_serial_triangles(cli):
+    report = cli.json("bench", "partitions", DEM, "--vertices", "5000", "--frames", "4", "--threads", "2")
+    expect("surplus", report["surplus_share"], 0)
+    expect("partitions", report["partitions"], 4)
+    vertices = report["roam"]["vertices_mean"]
+    expect(f"about 5000 vertices, found {vertices}", 4000 < vertices < 6000, True)
+    given = cli.json("bench", "partitions", DEM, "--tau", "30", "--frames", "2")
+    expect("the tolerance that was given", given["tau_px"], 30)
+
+
 def a_snapshot_is_the_same_each_time(cli):
     for name in ("a.png", "b.png"):
         report = cli.json("snapshot", *SMALL, "-o", name)
@@ -395,7 +405,8 @@ CASES = [help_is_instant_and_complete, help_comes_even_with_a_damaged_file, wron
          an_image_beside_the_terrain_is_warned_of, an_eye_under_the_ground_is_warned_of,
          missing_files_are_named_before_a_window_is_wanted, info_names_every_file, overlapping_files_are_warned_of,
          paths_of_a_scene_are_written_plainly, a_budget_below_the_smallest_mesh_says_so,
-         a_snapshot_is_the_same_each_time, two_methods_are_reported_side_by_side, the_corner_bound_holds_in_flight_too,
+         partitions_draw_the_serial_triangles, a_snapshot_is_the_same_each_time,
+         two_methods_are_reported_side_by_side, the_corner_bound_holds_in_flight_too,
          a_flight_repeats_in_lockstep, overlapped_stages_draw_what_lockstep_draws,
          pictures_are_spread_over_the_flight, without_a_display_it_says_how_to_get_a_window,
          an_old_opengl_is_named_beside_what_is_needed, signals_end_a_flight_cleanly,
