@@ -441,6 +441,24 @@ static void test_each_word_selects_what_it_says(void **state) {
     }
 }
 
+static int beyond_170(const World *w, const Vertex *v) {
+    double lon = fabs(remainder(v->lon_deg, 360.0)), room = v->reach_m / 50000.0;
+    (void)w;
+    if (lon > 170.001 && v->lat_deg > 10.001 && v->lat_deg < 29.999)
+        return 1;
+    return lon < 170.0 - room || v->lat_deg < 10.0 - room || v->lat_deg > 30.0 + room ? -1 : 0;
+}
+
+static void test_a_box_reaches_around_the_globe_s_back(void **state) {
+    (void)state;
+    static const DemGeoref globe = {DEM_CRS_GEOGRAPHIC, 0, false, -180.0, 60.0, 1.0, -1.0};
+    World w = world_of_size(&globe, 360, 81);
+    expect_selected(&w, "box(170, 10, -170, 30)", beyond_170);
+    expect_selected(&w, "box(-190, 10, -170, 30)", beyond_170);
+    expect_selected(&w, "box(170, 10, 190, 30) || level < 0", beyond_170);
+    world_end(&w);
+}
+
 static void test_tolerance_as_a_selection_is_the_tolerance(void **state) {
     (void)state;
     World w = world_of(&HILLS);
@@ -621,6 +639,7 @@ int main(void) {
         cmocka_unit_test(test_any_text_is_taken_or_refused),
         cmocka_unit_test(test_deep_and_long_selections_are_refused_before_they_harm),
         cmocka_unit_test(test_each_word_selects_what_it_says),
+        cmocka_unit_test(test_a_box_reaches_around_the_globe_s_back),
         cmocka_unit_test(test_tolerance_as_a_selection_is_the_tolerance),
         cmocka_unit_test(test_what_is_foreseen_for_a_run_is_what_each_diamond_says),
         cmocka_unit_test(test_any_selection_gives_a_whole_mesh),

@@ -37,8 +37,8 @@ typedef struct DiamondModel {
     // By diamond_entry; 0 for samples outside the DEM.
     float *x, *y, *z; // [DIAMOND_SLOTS * word_count]
     float *error_m;   // [DIAMOND_SLOTS * word_count], INFINITY where always split; NULL until diamond_generate_errors
-    // Of each plane's words, DIAMOND_RUN at a time; NULL until diamond_generate_errors. Only the processor's side
-    // skips by them what the tolerance can not split.
+    // Of each plane's words, DIAMOND_RUN at a time; NULL until diamond_generate_errors. Only the processor's side asks
+    // them, for what a predicate says of all their diamonds.
     DiamondRun *runs;
     uint32_t run_first[DIAMOND_LEVEL_MAX + 1]; // of each plane, and their number
     // Greatest distance of a diamond's corners from its vertex, in each super-square: [word] of its centres,

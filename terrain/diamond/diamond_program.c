@@ -83,16 +83,36 @@ static void bind_box(const double *arguments, const DiamondModel *model, float *
     out[5] = (float)(1.0 / METRES_PER_DEGREE_MIN);
 }
 
-static void bind_step(const DiamondSelectStep *step, const DiamondModel *model, DiamondProgram *out) {
+static float *put_step(DiamondOp op, DiamondProgram *out) {
     float *constants = out->constants + out->constant_count;
-    out->steps[out->step_count++] = (DiamondStep){(uint8_t)step->op, (uint16_t)out->constant_count};
+    out->steps[out->step_count++] = (DiamondStep){(uint8_t)op, (uint16_t)out->constant_count};
+    out->constant_count += diamond_op_constants(op);
+    return constants;
+}
+
+// A vertex's degrees from the middle are within half a turn; a box that reaches beyond is asked for from both sides.
+static void bind_boxes(const double *arguments, const DiamondModel *model, DiamondProgram *out) {
+    float *first = put_step(DIAMOND_OP_BOX, out);
+    bind_box(arguments, model, first);
+    float turn = first[2] > 180.0f ? -360.0f : first[0] < -180.0f ? 360.0f : 0.0f;
+    if (turn == 0.0f)
+        return;
+    float *second = put_step(DIAMOND_OP_BOX, out);
+    for (int i = 0; i < diamond_op_constants(DIAMOND_OP_BOX); i++)
+        second[i] = first[i] + (i == 0 || i == 2 ? turn : 0.0f);
+    put_step(DIAMOND_OP_OR, out);
+}
+
+static void bind_step(const DiamondSelectStep *step, const DiamondModel *model, DiamondProgram *out) {
+    if (step->op == DIAMOND_OP_BOX) {
+        bind_boxes(step->arguments, model, out);
+        return;
+    }
+    float *constants = put_step(step->op, out);
     if (step->op == DIAMOND_OP_CONSTANT)
         constants[0] = (float)step->arguments[0];
     if (step->op == DIAMOND_OP_WITHIN)
         bind_within(step->arguments, model, constants);
-    if (step->op == DIAMOND_OP_BOX)
-        bind_box(step->arguments, model, constants);
-    out->constant_count += diamond_op_constants(step->op);
 }
 
 void diamond_select_bind(const DiamondSelect *select, const DiamondModel *model, DiamondProgram *out) {

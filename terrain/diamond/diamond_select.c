@@ -29,6 +29,7 @@ typedef struct Parser {
     int depth;          // of the stack
     int nesting;        // of brackets and signs
     int constants;      // of the bound program
+    int steps;          // of the bound program, at most
     bool failed;        // said so already
 } Parser;
 
