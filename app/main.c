@@ -1,6 +1,6 @@
 #define _POSIX_C_SOURCE 200809L
-#include "app/command.h"
-#include "app/help.h"
+#include "app/commands/command.h"
+#include "app/commands/help.h"
 #include "base/log.h"
 #include "config/files.h"
 #include "config/suggest.h"

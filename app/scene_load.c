@@ -1,7 +1,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "app/scene_load.h"
 
-#include "app/camera.h"
+#include "app/flight/camera.h"
 #include "app/signals.h"
 #include "app/viewpoint.h"
 #include "base/log.h"

@@ -11,8 +11,8 @@
 
 #include <cmocka.h>
 
-#include "app/camera.h"
-#include "app/pipeline.h"
+#include "app/flight/camera.h"
+#include "app/pipeline/pipeline.h"
 #include "base/clock.h"
 #include "render/gl.h"
 #include "terrain/geodesy.h"

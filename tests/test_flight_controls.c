@@ -8,10 +8,10 @@
 
 #include <cmocka.h>
 
-#include "app/demo.h"
-#include "app/flight_session.h"
-#include "app/flight_settings.h"
-#include "app/frame_times.h"
+#include "app/flight/demo.h"
+#include "app/flight/flight_session.h"
+#include "app/flight/flight_settings.h"
+#include "app/pipeline/frame_times.h"
 #include "base/paths.h"
 #include "input/keyboard.h"
 #include "terrain/geodesy.h"

@@ -10,9 +10,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "app/flight_clock.h"
-#include "app/flight_forces.h"
-#include "app/flight_model.h"
+#include "app/flight/flight_clock.h"
+#include "app/flight/flight_forces.h"
+#include "app/flight/flight_model.h"
 #include "terrain/geodesy.h"
 
 #define LAT 0.64

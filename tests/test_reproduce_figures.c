@@ -1,5 +1,5 @@
 // The papers' figures, as the program has them, against the papers' texts where those are at hand.
-#include "app/reproduce_figures.h"
+#include "app/reproduce/reproduce_figures.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,7 +1,7 @@
 // The flights of `overfly reproduce`: where they go, and the tolerances that are searched for them.
-#include "app/reproduce_circuit.h"
-#include "app/reproduce_race.h"
-#include "app/reproduce_search.h"
+#include "app/reproduce/reproduce_circuit.h"
+#include "app/reproduce/reproduce_race.h"
+#include "app/reproduce/reproduce_search.h"
 #include "cut_support.h"
 #include "terrain/geodesy.h"
 #include "terrain/grid.h"

@@ -1,0 +1,178 @@
+// `overfly bench partitions`: roam against roam-parallel, both built anew, at a number of vertices: Biedermann, Rivara,
+// table 1. Frame by frame in turn, so that a busy machine harms both alike. Nothing is drawn.
+#include "app/bench/bench.h"
+#include "app/reproduce/reproduce_race.h"
+#include "app/scene_load.h"
+#include "base/log.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#define FRAME_HZ 60.0
+#define DEFAULT_SPEED_M_S 100.0
+#define DEFAULT_FRAMES 200
+#define WARM_UP_FRAMES 5 // pages are made, and work is predicted from the frame before
+#define TURN_RAD_S 0.5   // the head's: the observer line passes over all squares
+#define TAU_STEPS 30
+
+enum { SERIAL, PARALLEL };
+
+typedef struct Bench {
+    const Options *options;
+    World world;
+    Jobs *one;
+    LodView start;
+    Race race;
+    double cut_vertices, worst_balance;
+} Bench;
+
+static LodOptions lod_options(const Bench *bench, LodMethod method) {
+    LodOptions options = scene_lod_options(bench->options);
+    options.method = method;
+    options.reuse = false;
+    return options;
+}
+
+// Straight on over the ground's curve, the head turning.
+static LodView view_of_frame(const Bench *bench, int frame) {
+    LodView view = bench->start;
+    double speed =
+        options_is_set(bench->options, OPTION_SPEED) ? options_number(bench->options, OPTION_SPEED) : DEFAULT_SPEED_M_S;
+    double radius = vec3d_length(view.eye_ecef), seconds = frame / FRAME_HZ, angle = TURN_RAD_S * seconds;
+    Vec3d up = vec3d_normalize(view.eye_ecef), right = vec3d_normalize(vec3d_cross(view.forward_ecef, up));
+    Vec3d ahead = vec3d_cross(up, right);
+    view.eye_ecef = vec3d_scale(vec3d_normalize(vec3d_mad(view.eye_ecef, ahead, speed * seconds)), radius);
+    view.forward_ecef = vec3d_add(vec3d_scale(ahead, cos(angle)), vec3d_scale(right, sin(angle)));
+    return view;
+}
+
+// The tolerance at which roam draws so many vertices from the start, to 1 %.
+static Result find_tau(Bench *bench, double vertices) {
+    Race race;
+    LodOptions options = lod_options(bench, LOD_ROAM);
+    double low = log(1e-3), high = log(1e3), ms;
+    race_begin(bench->world.terrain, 1, &race);
+    Result result = race_enter(&race, &options, bench->one);
+    for (int i = 0; i < TAU_STEPS && result == RESULT_OK; i++) {
+        bench->start.tau_px = exp(0.5 * (low + high));
+        result = racer_refine(&race.racers[0], &bench->start, &ms);
+        double found = (double)race.racers[0].cut.stats.vertices;
+        if (fabs(found - vertices) <= 0.01 * vertices)
+            break;
+        *(found > vertices ? &low : &high) = 0.5 * (low + high);
+    }
+    race_end(&race);
+    return result;
+}
+
+static Result prepare(Bench *bench, int frames) {
+    Viewpoint start;
+    Result result = world_viewpoint(&bench->world, bench->options, &start);
+    if (result != RESULT_OK)
+        return result;
+    bench->start = world_lod_view(&bench->world, bench->options, &start);
+    result = jobs_create(1, &bench->one);
+    if (result == RESULT_OK && !options_is_given(bench->options, OPTION_TAU))
+        result = find_tau(bench, (double)options_integer(bench->options, OPTION_VERTICES));
+    race_begin(bench->world.terrain, frames, &bench->race);
+    LodOptions serial = lod_options(bench, LOD_ROAM), parallel = lod_options(bench, LOD_ROAM_PARALLEL);
+    if (result == RESULT_OK)
+        result = race_enter(&bench->race, &serial, bench->one);
+    if (result == RESULT_OK)
+        result = race_enter(&bench->race, &parallel, bench->world.jobs);
+    return result;
+}
+
+static Result race(Bench *bench, int frames) {
+    Progress progress = progress_begin("partitions");
+    Result result = RESULT_OK;
+    for (int frame = 0; frame < frames + WARM_UP_FRAMES && result == RESULT_OK; frame++) {
+        LodView view = view_of_frame(bench, frame);
+        result = race_step(&bench->race, &view, frame >= WARM_UP_FRAMES);
+        if (frame >= WARM_UP_FRAMES)
+            bench->worst_balance = fmax(bench->worst_balance, bench->race.racers[PARALLEL].cut.stats.balance);
+        progress_update(&progress, (double)frame / frames);
+    }
+    progress_end(&progress);
+    return result;
+}
+
+// ---- what came of it ----
+
+static double mean_of(const Bench *bench, int racer, double sum) {
+    return race_mean(&bench->race, racer, sum);
+}
+
+static double surplus_share(const Bench *bench) {
+    const Racer *r = bench->race.racers;
+    return (r[PARALLEL].triangles - r[SERIAL].triangles) / r[SERIAL].triangles;
+}
+
+static void add_racer(Json *parent, const Bench *bench, int racer, const char *name) {
+    RaceTimes times = race_times(&bench->race, racer);
+    const Racer *r = &bench->race.racers[racer];
+    Json *object = json_add_object(parent, name);
+    json_add_number(object, "triangles_mean", mean_of(bench, racer, r->triangles));
+    json_add_number(object, "vertices_mean", mean_of(bench, racer, r->vertices));
+    json_add_number(object, "update_ms_p50", times.p50_ms);
+    json_add_number(object, "update_ms_p99", times.p99_ms);
+    json_add_number(object, "ns_per_triangle", 1e6 * times.p50_ms / mean_of(bench, racer, r->triangles));
+}
+
+static Result print_json(const Bench *bench) {
+    const Racer *parallel = &bench->race.racers[PARALLEL];
+    Json *json = json_create();
+    bench_add_machine(json);
+    json_add_text(json, "dem", terrain_dem(bench->world.terrain)->file);
+    json_add_number(json, "tau_px", bench->start.tau_px);
+    json_add_integer(json, "frames", parallel->frames);
+    json_add_integer(json, "threads", jobs_worker_count(bench->world.jobs));
+    json_add_integer(json, "partitions", parallel->cut.stats.partitions);
+    add_racer(json, bench, SERIAL, "roam");
+    add_racer(json, bench, PARALLEL, "roam_parallel");
+    json_add_number(json, "speedup_p50", race_ratio(&bench->race, SERIAL, PARALLEL));
+    json_add_number(json, "surplus_share", surplus_share(bench));
+    json_add_number(json, "balance_mean", mean_of(bench, PARALLEL, parallel->balance));
+    json_add_number(json, "balance_worst", bench->worst_balance);
+    json_add_number(json, "cut_vertices_mean", mean_of(bench, PARALLEL, parallel->cut_vertices));
+    Result result = json_print(json);
+    json_destroy(&json);
+    return result;
+}
+
+static void print_text(const Bench *bench) {
+    const Racer *serial = &bench->race.racers[SERIAL], *parallel = &bench->race.racers[PARALLEL];
+    RaceTimes slow = race_times(&bench->race, SERIAL), fast = race_times(&bench->race, PARALLEL);
+    printf("tau %.3g px, %d frames, %d threads, %d partitions\n", bench->start.tau_px, parallel->frames,
+           jobs_worker_count(bench->world.jobs), parallel->cut.stats.partitions);
+    printf("vertices         %.0f, triangles %.0f; %.0f vertices on the cut\n",
+           mean_of(bench, SERIAL, serial->vertices), mean_of(bench, SERIAL, serial->triangles),
+           mean_of(bench, PARALLEL, parallel->cut_vertices));
+    printf("roam             p50 %.2f ms, p99 %.2f ms, %.1f ns a triangle\n", slow.p50_ms, slow.p99_ms,
+           1e6 * slow.p50_ms / mean_of(bench, SERIAL, serial->triangles));
+    printf("roam-parallel    p50 %.2f ms, p99 %.2f ms: %.2f times as fast\n", fast.p50_ms, fast.p99_ms,
+           race_ratio(&bench->race, SERIAL, PARALLEL));
+    printf("balance          %.3f, at worst %.3f: the longest partition's time over their mean\n",
+           mean_of(bench, PARALLEL, parallel->balance), bench->worst_balance);
+    printf("surplus          %.3f %% of the triangles\n", 100.0 * surplus_share(bench));
+}
+
+Result bench_partitions(const Options *options) {
+    Bench bench = {.options = options};
+    int frames = (int)options_integer(options, OPTION_FRAMES);
+    frames = frames ? frames : DEFAULT_FRAMES;
+    Result result = world_load(options, &bench.world);
+    if (result == RESULT_OK)
+        result = prepare(&bench, frames);
+    if (result == RESULT_OK)
+        result = race(&bench, frames);
+    if (result == RESULT_OK && options_flag(options, OPTION_JSON))
+        result = print_json(&bench);
+    else if (result == RESULT_OK)
+        print_text(&bench);
+    race_end(&bench.race);
+    if (bench.one)
+        jobs_destroy(&bench.one);
+    world_unload(&bench.world);
+    return result;
+}

@@ -1,0 +1,26 @@
+#include "app/commands/command.h"
+
+#include <stddef.h>
+#include <string.h>
+
+const Command command_table[] = {
+    {COMMAND_FLY, "fly", "[SCENE|DEM]...", -1, "fly over a terrain, in a window or without one", cmd_fly},
+    {COMMAND_SNAPSHOT, "snapshot", "[SCENE|DEM]...", -1, "one picture, without a window", cmd_snapshot},
+    {COMMAND_MESH, "mesh", "[SCENE|DEM]...", -1, "measure the triangles for one view, and write them to a file",
+     cmd_mesh},
+    {COMMAND_BENCH, "bench", "preprocess|refine|partitions [SCENE|DEM]...", -1,
+     "measure what error fields and refinement cost", cmd_bench},
+    {COMMAND_REPRODUCE, "reproduce", "loeffler|biedermann|yalcin|ye [SCENE|DEM]...", -1,
+     "run a paper's experiment, and show its figures beside ours", cmd_reproduce},
+    {COMMAND_INFO, "info", "DEM...", -1, "what is in elevation files: size, spacing, datum, bounds, range, voids",
+     cmd_info},
+    {COMMAND_CONFIG, "config", "[SUBCOMMAND]", 1, "show the effective options and where each came from", cmd_config},
+    {0},
+};
+
+const Command *command_find(const char *name) {
+    for (const Command *command = command_table; command->name; command++)
+        if (strcmp(command->name, name) == 0)
+            return command;
+    return NULL;
+}

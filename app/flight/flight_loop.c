@@ -1,0 +1,142 @@
+#define _POSIX_C_SOURCE 200809L
+#include "app/flight/flight_loop.h"
+
+#include "app/pipeline/picture.h"
+#include "app/signals.h"
+#include "base/clock.h"
+#include "base/log.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+// Without a person to wait for, a frame is this much of the flight, whatever it takes to draw.
+#define FIXED_FRAME_S (1.0 / 60.0)
+#define PICTURE_SPACING 60 // frames, where the length of the flight is not known beforehand
+
+static void on_key(void *user, int key, int scancode, bool pressed, bool repeated, bool shift) {
+    (void)scancode; // key codes already name positions
+    FlightLoop *loop = user;
+    if (!repeated)
+        session_on_key(loop->session, key, pressed, shift);
+}
+
+static void on_resize(void *user, int width, int height) {
+    FlightLoop *loop = user;
+    if (width > 0 && height > 0) { // a minimised window has no pixels
+        loop->width = width;
+        loop->height = height;
+    }
+}
+
+static bool is_over(const FlightLoop *loop, int64_t ordered) {
+    bool demo_over =
+        !loop->window && loop->frames == 0 && loop->session->demo.count > 0 && demo_is_over(&loop->session->demo);
+    return (loop->frames > 0 && ordered >= loop->frames) || loop->session->leave_wanted || demo_over ||
+           (loop->window && context_should_close(loop->context)) || signals_leave_wanted();
+}
+
+// The frames that the pictures are spread over.
+static int64_t expected_frames(const FlightLoop *loop) {
+    const FlightSession *session = loop->session;
+    if (loop->frames > 0)
+        return loop->frames;
+    if (session->demo.count == 0)
+        return (int64_t)loop->picture_count * PICTURE_SPACING;
+    FlightInstruments now = flight_instruments(&session->flight);
+    double duration_s = demo_duration_s(&session->demo, now.lat_rad, now.lon_rad);
+    return (int64_t)(duration_s / (FIXED_FRAME_S * flight_clock_rate(&session->settings.clock))) + 1;
+}
+
+// Whether frame `index` of the flight is one of the evenly spread pictures, and which: from 1.
+static int picture_number(const FlightLoop *loop, int64_t index) {
+    if (!loop->pictures || index >= loop->picture_frames)
+        return 0;
+    int64_t frames = loop->picture_frames, count = loop->picture_count;
+    int64_t before = (index * count + frames - 1) / frames, after = ((index + 1) * count + frames - 1) / frames;
+    return after > before ? (int)after : 0;
+}
+
+static void name_picture(FlightLoop *loop, int64_t index, FrameOrder *order) {
+    int number = picture_number(loop, index);
+    bool last = loop->screenshot && loop->frames > 0 && index + 1 == loop->frames;
+    if (last)
+        snprintf(order->picture, sizeof order->picture, "%s", loop->screenshot);
+    else if (number > 0)
+        snprintf(order->picture, sizeof order->picture, "%s/overfly-%03d.png", loop->pictures, number);
+    else if (loop->session->screenshot_wanted && picture_new_name((int64_t)time(NULL), order->picture) == RESULT_OK) {
+        char message[PIPELINE_MESSAGE_BYTES];
+        loop->session->screenshot_wanted = false;
+        log_info("picture: %s", order->picture);
+        snprintf(message, sizeof message, "picture: %.140s", order->picture);
+        session_say(loop->session, message);
+    }
+}
+
+static void make_order(FlightLoop *loop, int64_t index, FrameOrder *order) {
+    PipelineStats stats = pipeline_stats(loop->pipeline);
+    session_hear_changes(loop->session, &stats.changes, stats.cut.method);
+    session_order(loop->session, loop->width, loop->height, stats.frame_ms, stats.frame_p99_ms, order);
+    if (index >= 0)
+        name_picture(loop, index, order);
+}
+
+// The last frame once more, as it is only now known to be the last.
+static Result draw_last_picture(FlightLoop *loop) {
+    FrameOrder order;
+    make_order(loop, -1, &order);
+    snprintf(order.picture, sizeof order.picture, "%s", loop->screenshot);
+    return pipeline_submit(loop->pipeline, &order, true);
+}
+
+// Waits until the next frame is due; without a window nobody watches, and nothing waits.
+static double pass_time(const FlightLoop *loop, int64_t *due_ns, int64_t *last_ns) {
+    if (!loop->window || loop->lockstep)
+        return FIXED_FRAME_S;
+    *due_ns += (int64_t)(1e9 / loop->fps);
+    int64_t now_ns = clock_now_ns();
+    if (*due_ns < now_ns)
+        *due_ns = now_ns;
+    clock_sleep_until_ns(*due_ns);
+    now_ns = clock_now_ns();
+    double passed_s = (double)(now_ns - *last_ns) * 1e-9;
+    *last_ns = now_ns;
+    return passed_s;
+}
+
+static Result fly_frames(FlightLoop *loop) {
+    bool every_frame_counts = !loop->window || loop->lockstep || loop->frames > 0;
+    int64_t last_ns = clock_now_ns(), due_ns = last_ns;
+    FrameOrder order;
+    int64_t index = 0;
+    for (; !is_over(loop, index); index++) {
+        make_order(loop, index, &order);
+        Result result = pipeline_submit(loop->pipeline, &order, every_frame_counts);
+        if (result != RESULT_OK)
+            return result;
+        double passed_s = pass_time(loop, &due_ns, &last_ns);
+        if (loop->window)
+            context_poll_events(loop->context);
+        session_advance(loop->session, passed_s);
+    }
+    bool picture_due = loop->screenshot && !(loop->frames > 0 && index >= loop->frames);
+    return picture_due ? draw_last_picture(loop) : RESULT_OK;
+}
+
+Result flight_loop_run(FlightLoop *loop) {
+    sigset_t before;
+    signals_hold(&before);
+    loop->picture_frames = expected_frames(loop);
+    if (loop->window) {
+        context_on_key(loop->context, on_key, loop);
+        context_on_resize(loop->context, on_resize, loop);
+    }
+    Result result = fly_frames(loop);
+    Result drained = pipeline_drain(loop->pipeline);
+    if (loop->window) {
+        context_on_key(loop->context, NULL, NULL);
+        context_on_resize(loop->context, NULL, NULL);
+    }
+    signals_restore(&before);
+    return result != RESULT_OK ? result : drained;
+}

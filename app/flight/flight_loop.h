@@ -1,0 +1,26 @@
+// app/flight/flight_loop.h: the main thread's part of a flight: events, time, simulation, orders for the pipeline.
+// Seconds, pixels.
+// Borrows everything. Main thread.
+#pragma once
+#include "app/flight/flight_session.h"
+#include "app/pipeline/pipeline.h"
+#include "render/context.h"
+
+typedef struct FlightLoop {
+    FlightSession *session;
+    Pipeline *pipeline;
+    Context *context;
+    bool window;            // else there are no events, and frames follow one another without waiting
+    bool lockstep;          // stages one after another
+    double fps;             // frames a second at most, in a window
+    int64_t frames;         // leave after so many; 0: when told to, or when the demo is over
+    const char *screenshot; // path of the last frame's picture, or NULL
+    const char *pictures;   // folder, or NULL
+    int picture_count;
+    int64_t picture_frames; // that the pictures are spread over; set by flight_loop_run
+    int width, height;
+} FlightLoop;
+
+// Flies until told to leave: frames, Esc, the window's closing, SIGINT, SIGTERM, or without a window the demo's end.
+// The first error of a frame comes back.
+MUST_USE Result flight_loop_run(FlightLoop *loop);

@@ -1,0 +1,210 @@
+#include "app/flight/flight_session.h"
+
+#include "app/flight/flight_contact.h"
+#include "app/flight/flight_forces.h"
+#include "terrain/geodesy.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define START_SPEED 110.0
+#define STALL_MARGIN 1.6 // times the stall speed, where the air is thin
+#define ROUND_MIN_M 2000.0
+
+static bool terrain_height(void *user, double lat_rad, double lon_rad, double *h_m) {
+    return terrain_ground_m(user, lat_rad / GEODESY_RAD_PER_DEG, lon_rad / GEODESY_RAD_PER_DEG, h_m);
+}
+
+static FlightGround ground_of(const World *world) {
+    return (FlightGround){terrain_height, world->terrain};
+}
+
+static double start_speed(const World *world, const Options *options, double h_m) {
+    if (options_is_set(options, OPTION_SPEED))
+        return options_number(options, OPTION_SPEED);
+    if (world->scene.has_speed)
+        return world->scene.speed_m_s;
+    double stall = sqrt(FLIGHT_GRAVITY / (FLIGHT_LIFT * flight_density(h_m) * FLIGHT_LIFT_SLOPE * FLIGHT_STALL_RAD));
+    return fmax(START_SPEED, STALL_MARGIN * stall);
+}
+
+// Level, however the view is tilted, unless a direction was asked for: the start of a scene looks down at the land.
+static double start_pitch_rad(const Options *options, const Viewpoint *view) {
+    return options_is_set(options, OPTION_LOOK) ? view->pitch_deg * GEODESY_RAD_PER_DEG : 0.0;
+}
+
+static Flight start_flight(const World *world, const Options *options, const Viewpoint *view) {
+    double h_m = world_ellipsoid_m(world, view->lat_deg, view->lon_deg, view->alt_m);
+    FlightStart start = {.lat_rad = view->lat_deg * GEODESY_RAD_PER_DEG,
+                         .lon_rad = view->lon_deg * GEODESY_RAD_PER_DEG,
+                         .h_m = h_m,
+                         .heading_rad = view->heading_deg * GEODESY_RAD_PER_DEG,
+                         .pitch_rad = start_pitch_rad(options, view),
+                         .speed_m_s = start_speed(world, options, h_m)};
+    return flight_create(&start, ground_of(world));
+}
+
+// How far the view's middle is from the eye: where the line of sight meets the ground.
+static double sight_distance(const World *world, const Viewpoint *view) {
+    FlightGround ground = ground_of(world);
+    Vec3d eye = world_viewpoint_ecef(world, view), ahead = viewpoint_forward(view);
+    double distance_m = ROUND_MIN_M, above_m;
+    for (int i = 0; i < 64; i++, distance_m *= 1.08) {
+        if (!flight_ground_below(&ground, vec3d_mad(eye, ahead, distance_m), &above_m))
+            return fmax(distance_m / 1.08, ROUND_MIN_M);
+        if (above_m <= 0.0)
+            break;
+    }
+    return distance_m;
+}
+
+static Result prepare_demo(const World *world, const Viewpoint *view, FlightSession *session) {
+    session->demo_flies = true;
+    if (world->scene.demo)
+        return demo_read(world->scene.demo, world->geoid, &session->demo);
+    demo_make_round(view, world->geoid, sight_distance(world, view), &session->demo);
+    return RESULT_OK;
+}
+
+Result session_create(const World *world, const Options *options, FlightSession *out) {
+    Viewpoint view;
+    Result result = world_viewpoint(world, options, &view);
+    if (result != RESULT_OK)
+        return result;
+    *out = (FlightSession){.world = world, .settings = flight_settings_create(options)};
+    out->sun_ecef = world_sun(world, options, &view);
+    out->flight = start_flight(world, options, &view);
+    out->keyboard = keyboard_create(out->flight.state.throttle);
+    return options_flag(options, OPTION_DEMO) ? prepare_demo(world, &view, out) : RESULT_OK;
+}
+
+void session_say(FlightSession *session, const char *message) {
+    snprintf(session->message, sizeof session->message, "%s", message);
+    session->message_s = SESSION_MESSAGE_S;
+}
+
+void session_hear_changes(FlightSession *session, const MethodChanges *changes, LodMethod shown) {
+    if (changes->refusals == session->refusals_said)
+        return;
+    char message[PIPELINE_MESSAGE_BYTES];
+    snprintf(message, sizeof message, "%s: %s; flying on with %s", lod_method_name(changes->refused),
+             result_text(changes->refusal), lod_method_name(shown));
+    session_say(session, message);
+    session->refusals_said = changes->refusals;
+}
+
+static void take_over(FlightSession *session, const char *why) {
+    session->demo_flies = false;
+    keyboard_set_throttle(&session->keyboard, session->flight.state.throttle);
+    session_say(session, why);
+}
+
+void session_on_key(FlightSession *session, int key, bool pressed, bool shift) {
+    keyboard_on_key(&session->keyboard, key, pressed, shift);
+    if (session->demo_flies && keyboard_touches_controls(&session->keyboard))
+        take_over(session, "you have control");
+}
+
+static void act(FlightSession *session, Action action) {
+    char message[PIPELINE_MESSAGE_BYTES];
+    switch (action) {
+    case ACTION_LEAVE:
+        session->leave_wanted = true;
+        return;
+    case ACTION_SCREENSHOT:
+        session->screenshot_wanted = true;
+        return;
+    case ACTION_CENTRE:
+        keyboard_centre(&session->keyboard);
+        return;
+    default:
+        if (flight_settings_apply(&session->settings, action, message, sizeof message) && message[0])
+            session_say(session, message);
+    }
+}
+
+static void step(FlightSession *session) {
+    Controls controls = keyboard_sample(&session->keyboard, FLIGHT_STEP_S);
+    if (session->demo_flies)
+        controls = demo_fly(&session->demo, &session->flight);
+    FlightContact before = session->flight.state.contact;
+    flight_step(&session->flight, &controls, FLIGHT_STEP_S);
+    session->crashes += before != FLIGHT_CRASHED && session->flight.state.contact == FLIGHT_CRASHED;
+    if (before == FLIGHT_CRASHED && session->flight.state.contact != FLIGHT_CRASHED)
+        keyboard_set_throttle(&session->keyboard, session->flight.state.throttle);
+    if (session->demo_flies && demo_is_over(&session->demo))
+        take_over(session, "the demo is over: you have control");
+}
+
+void session_advance(FlightSession *session, double passed_s) {
+    for (Action action; (action = keyboard_next_action(&session->keyboard)) != ACTION_NONE;)
+        act(session, action);
+    int steps = flight_clock_steps(&session->settings.clock, passed_s, FLIGHT_STEP_S);
+    for (int i = 0; i < steps; i++)
+        step(session);
+    session->message_s = fmax(session->message_s - passed_s, 0.0);
+}
+
+double session_altitude_m(const FlightSession *session, const FlightInstruments *now) {
+    return now->h_m - geoid_undulation_m(session->world->geoid, now->lat_rad / GEODESY_RAD_PER_DEG,
+                                         now->lon_rad / GEODESY_RAD_PER_DEG);
+}
+
+// The page of keys, from the table of actions.
+static const RenderHelpRow help_rows[] = {
+#define HELP_ROW(id, keys, help) {keys, help},
+    ACTION_HELD_TABLE(HELP_ROW) ACTION_ONCE_TABLE(HELP_ROW)
+#undef HELP_ROW
+};
+
+static RenderHud make_hud(const FlightSession *session, double frame_ms, double frame_p99_ms) {
+    const FlightSettings *settings = &session->settings;
+    FlightInstruments now = flight_instruments(&session->flight);
+    return (RenderHud){.show_flight = settings->show_flight,
+                       .show_numbers = settings->show_numbers,
+                       .show_help = settings->show_help,
+                       .help = help_rows,
+                       .help_count = (int)COUNT_OF(help_rows),
+                       .heading_rad = now.heading_rad,
+                       .pitch_rad = now.pitch_rad,
+                       .bank_rad = now.bank_rad,
+                       .speed_m_s = now.speed_m_s,
+                       .altitude_m = session_altitude_m(session, &now),
+                       .above_ground_m = now.above_ground_m,
+                       .vertical_speed_m_s = now.vertical_speed_m_s,
+                       .throttle = session->flight.state.throttle,
+                       .velocity_ecef = session->flight.state.velocity_ecef,
+                       .over_terrain = now.over_ground,
+                       .crashed = session->flight.state.contact == FLIGHT_CRASHED,
+                       .paused = settings->clock.paused,
+                       .datum = "EGM96",
+                       .show_names = settings->show_flight && !settings->show_numbers,
+                       .frame_ms = frame_ms,
+                       .frame_p99_ms = frame_p99_ms};
+}
+
+void session_order(const FlightSession *session, int width, int height, double frame_ms, double frame_p99_ms,
+                   FrameOrder *order) {
+    const FlightSettings *settings = &session->settings;
+    *order = (FrameOrder){.method = settings->method,
+                          .compare = settings->compare,
+                          .right = settings->right,
+                          .width = width,
+                          .height = height};
+    RenderPacket *look = &order->look;
+    look->camera = camera_of_flight(&session->flight, settings->view, settings->fov_rad);
+    look->sun_ecef = session->sun_ecef;
+    look->colouring = settings->colouring;
+    look->wireframe = settings->wireframe;
+    look->magenta_background = settings->magenta;
+    look->hud = make_hud(session, frame_ms, frame_p99_ms);
+    const double *back = look->camera.camera_from_ecef.m[2];
+    order->view = (LodView){.eye_ecef = look->camera.eye_ecef,
+                            .forward_ecef = vec3d(-back[0], -back[1], -back[2]),
+                            // Of the whole picture in two halves too: comparing changes no triangle.
+                            .px_per_rad = camera_px_per_rad(settings->fov_rad, width, height, settings->bound_corner),
+                            .tau_px = settings->tau_px};
+    if (session->message_s > 0.0)
+        memcpy(order->message, session->message, sizeof order->message);
+}

@@ -1,0 +1,318 @@
+#define _POSIX_C_SOURCE 200809L
+#include "app/pipeline/pipeline.h"
+
+#include "app/pipeline/picture.h"
+#include "app/pipeline/pipeline_packet.h"
+#include "app/signals.h"
+#include "base/arena.h"
+#include "base/clock.h"
+#include "base/log.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PACKETS 3
+#define ARENA_BLOCK ((size_t)1 << 20)
+
+struct Pipeline {
+    PipelineOptions options;
+    Methods *methods;   // refining thread
+    Renderer *renderer; // drawing thread
+
+    pthread_mutex_t lock;
+    pthread_cond_t changed;
+    pthread_t refiner, drawer;
+    bool refiner_runs, drawer_runs;
+
+    // Under the lock.
+    Packet packets[PACKETS];
+    FrameOrder waiting;
+    bool has_waiting, leaving, drawer_ready;
+    uint64_t submitted; // number of the last order
+    Result failure;
+    PipelineCounts counts;
+};
+
+static Result begin_methods(Pipeline *p) {
+    const PipelineOptions *options = &p->options;
+    const MethodsOptions methods = {options->threaded, options->lod, options->terrain};
+    Result result = methods_create(&methods, &p->methods);
+    if (result == RESULT_OK)
+        result = methods_begin(p->methods, 0, options->lod.method);
+    return result == RESULT_OK && options->compare ? methods_begin(p->methods, 1, options->right) : result;
+}
+
+static Result create_renderer(Pipeline *p) {
+    return render_create(&p->options.render, p->options.terrain, &p->renderer);
+}
+
+static void resize(Pipeline *p, const FrameOrder *order) {
+    if (order->width == p->options.render.width && order->height == p->options.render.height)
+        return;
+    p->options.render.width = order->width;
+    p->options.render.height = order->height;
+    render_resize(p->renderer, order->width, order->height);
+}
+
+static Result draw(Pipeline *p, Packet *packet, RenderStats *stats, Result *picture_failure) {
+    const FrameOrder *order = &packet->order;
+    resize(p, order);
+    Result result = render_frame(p->renderer, &packet->render, stats);
+    if (result == RESULT_OK && order->picture[0])
+        *picture_failure = picture_write(p->renderer, order->width, order->height, order->picture);
+    context_swap(p->options.context);
+    return result;
+}
+
+// Under the lock.
+static void count_frame(Pipeline *p, Packet *packet, const RenderStats *render) {
+    LodMethod methods[METHODS_HALVES];
+    packet_mark_drawn(packet, methods);
+    pipeline_counts_add(&p->counts, &packet->render, methods, render, clock_now_ns());
+}
+
+static Packet *find_packet(Pipeline *p, PacketState state) {
+    Packet *oldest = NULL;
+    for (int i = 0; i < PACKETS; i++)
+        if (p->packets[i].state == state && (!oldest || p->packets[i].number < oldest->number))
+            oldest = &p->packets[i];
+    return oldest;
+}
+
+static void set_state(Pipeline *p, Packet *packet, PacketState state) {
+    packet->state = state;
+    pthread_cond_broadcast(&p->changed);
+}
+
+static void fail(Pipeline *p, Result result) {
+    if (p->failure == RESULT_OK)
+        p->failure = result;
+    pthread_cond_broadcast(&p->changed);
+}
+
+// Under the lock: nothing refined awaits drawing.
+static bool is_idle(const Pipeline *p) {
+    for (int i = 0; i < PACKETS; i++)
+        if (p->packets[i].state != PACKET_FREE)
+            return false;
+    return true;
+}
+
+// Under the lock. Not more than one refined frame waits: more would only show older views.
+static bool can_refine(Pipeline *p) {
+    if (!p->has_waiting || p->failure != RESULT_OK)
+        return false;
+    return find_packet(p, PACKET_FREE) && !find_packet(p, PACKET_READY);
+}
+
+// Under the lock, which is open while the work is done.
+static Result refine_next(Pipeline *p) {
+    Packet *packet = find_packet(p, PACKET_FREE);
+    packet->order = p->waiting;
+    packet->number = p->submitted;
+    p->has_waiting = false;
+    set_state(p, packet, PACKET_REFINING);
+    pthread_mutex_unlock(&p->lock);
+    methods_sweep(p->methods);
+    Result result = packet_refine(packet, p->methods, p->options.jobs);
+    pthread_mutex_lock(&p->lock);
+    p->counts.stats.changes = methods_changes(p->methods);
+    set_state(p, packet, result == RESULT_OK ? PACKET_READY : PACKET_FREE);
+    return result;
+}
+
+// Under the lock, which is open while the work is done.
+static Result draw_next(Pipeline *p, Packet *packet) {
+    set_state(p, packet, PACKET_DRAWING);
+    pthread_mutex_unlock(&p->lock);
+    RenderStats stats = {0};
+    Result picture_failure = RESULT_OK;
+    Result result = draw(p, packet, &stats, &picture_failure);
+    pthread_mutex_lock(&p->lock);
+    if (p->counts.stats.picture_failure == RESULT_OK)
+        p->counts.stats.picture_failure = picture_failure;
+    count_frame(p, packet, &stats);
+    packet_leave(packet);
+    set_state(p, packet, PACKET_FREE);
+    return result;
+}
+
+static void *run_refiner(void *user) {
+    Pipeline *p = user;
+    pthread_mutex_lock(&p->lock);
+    while (!p->leaving) {
+        Result result = can_refine(p) ? refine_next(p) : RESULT_OK;
+        if (result != RESULT_OK)
+            fail(p, result);
+        else if (!p->leaving && !can_refine(p))
+            pthread_cond_wait(&p->changed, &p->lock);
+    }
+    pthread_mutex_unlock(&p->lock);
+    return NULL;
+}
+
+static Result begin_drawing(Pipeline *p) {
+    Result result = context_make_current(p->options.context);
+    return result == RESULT_OK ? create_renderer(p) : result;
+}
+
+static void end_drawing(Pipeline *p) {
+    render_destroy(&p->renderer);
+    context_release_current(p->options.context);
+}
+
+static void *run_drawer(void *user) {
+    Pipeline *p = user;
+    Result result = begin_drawing(p);
+    pthread_mutex_lock(&p->lock);
+    p->drawer_ready = true;
+    if (result != RESULT_OK)
+        fail(p, result);
+    pthread_cond_broadcast(&p->changed);
+    while (!p->leaving && p->failure == RESULT_OK) {
+        Packet *packet = find_packet(p, PACKET_READY);
+        result = packet ? draw_next(p, packet) : RESULT_OK;
+        if (result != RESULT_OK)
+            fail(p, result);
+        else if (!packet && !p->leaving)
+            pthread_cond_wait(&p->changed, &p->lock);
+    }
+    pthread_mutex_unlock(&p->lock);
+    end_drawing(p);
+    return NULL;
+}
+
+static Result start_thread(pthread_t *thread, bool *runs, void *(*run)(void *), Pipeline *p) {
+    sigset_t before;
+    signals_hold_all(&before);
+    *runs = pthread_create(thread, NULL, run, p) == 0;
+    signals_restore(&before);
+    if (!*runs)
+        log_error("a thread cannot be started; is the limit of processes reached (ulimit -u)?");
+    return *runs ? RESULT_OK : RESULT_MEMORY;
+}
+
+static Result start_threads(Pipeline *p) {
+    Result result = start_thread(&p->drawer, &p->drawer_runs, run_drawer, p);
+    if (result != RESULT_OK)
+        return result;
+    pthread_mutex_lock(&p->lock);
+    while (!p->drawer_ready)
+        pthread_cond_wait(&p->changed, &p->lock);
+    result = p->failure;
+    pthread_mutex_unlock(&p->lock);
+    return result == RESULT_OK ? start_thread(&p->refiner, &p->refiner_runs, run_refiner, p) : result;
+}
+
+static Result create_packets(Pipeline *p) {
+    for (int i = 0; i < PACKETS; i++) {
+        Result result = arena_create(ARENA_BLOCK, &p->packets[i].arena);
+        if (result != RESULT_OK)
+            return result;
+    }
+    return RESULT_OK;
+}
+
+Result pipeline_create(const PipelineOptions *options, Pipeline **out) {
+    Pipeline *p = calloc(1, sizeof *p);
+    if (!p) {
+        log_error("no memory for the frames in flight");
+        return RESULT_MEMORY;
+    }
+    p->options = *options;
+    p->options.render.lockstep = !options->threaded;
+    pthread_mutex_init(&p->lock, NULL);
+    pthread_cond_init(&p->changed, NULL);
+    Result result = create_packets(p);
+    if (result == RESULT_OK)
+        result = begin_methods(p);
+    if (result == RESULT_OK)
+        result = options->threaded ? start_threads(p) : begin_drawing(p);
+    if (result == RESULT_OK)
+        *out = p;
+    else
+        pipeline_destroy(&p);
+    return result;
+}
+
+static void stop_threads(Pipeline *p) {
+    pthread_mutex_lock(&p->lock);
+    p->leaving = true;
+    pthread_cond_broadcast(&p->changed);
+    pthread_mutex_unlock(&p->lock);
+    if (p->refiner_runs)
+        pthread_join(p->refiner, NULL);
+    if (p->drawer_runs)
+        pthread_join(p->drawer, NULL);
+}
+
+void pipeline_destroy(Pipeline **pipeline) {
+    Pipeline *p = *pipeline;
+    if (!p)
+        return;
+    stop_threads(p);
+    if (!p->options.threaded)
+        end_drawing(p);
+    methods_destroy(&p->methods);
+    for (int i = 0; i < PACKETS; i++)
+        if (p->packets[i].arena)
+            arena_destroy(&p->packets[i].arena);
+    pthread_cond_destroy(&p->changed);
+    pthread_mutex_destroy(&p->lock);
+    free(p);
+    *pipeline = NULL;
+}
+
+static Result submit_to_threads(Pipeline *p, const FrameOrder *order, bool wait) {
+    bool must_wait = wait || (p->has_waiting && p->waiting.picture[0]);
+    while (must_wait && p->has_waiting && p->failure == RESULT_OK)
+        pthread_cond_wait(&p->changed, &p->lock);
+    if (p->failure != RESULT_OK)
+        return p->failure;
+    p->waiting = *order;
+    p->has_waiting = true;
+    p->submitted++;
+    pthread_cond_broadcast(&p->changed);
+    return RESULT_OK;
+}
+
+// The stages one after another on this thread.
+static Result submit_lockstep(Pipeline *p, const FrameOrder *order) {
+    p->waiting = *order;
+    p->submitted++;
+    Result result = refine_next(p);
+    if (result == RESULT_OK)
+        result = draw_next(p, find_packet(p, PACKET_READY));
+    return result;
+}
+
+Result pipeline_submit(Pipeline *p, const FrameOrder *order, bool wait) {
+    pthread_mutex_lock(&p->lock);
+    Result result = p->options.threaded ? submit_to_threads(p, order, wait) : submit_lockstep(p, order);
+    pthread_mutex_unlock(&p->lock);
+    return result;
+}
+
+Result pipeline_drain(Pipeline *p) {
+    pthread_mutex_lock(&p->lock);
+    while (p->failure == RESULT_OK && (p->has_waiting || !is_idle(p)))
+        pthread_cond_wait(&p->changed, &p->lock);
+    Result result = p->failure;
+    pthread_mutex_unlock(&p->lock);
+    return result;
+}
+
+PipelineStats pipeline_stats(Pipeline *p) {
+    pthread_mutex_lock(&p->lock);
+    PipelineStats stats = p->counts.stats;
+    pthread_mutex_unlock(&p->lock);
+    return stats;
+}
+
+PipelineTimes pipeline_times(Pipeline *p) {
+    pthread_mutex_lock(&p->lock);
+    PipelineTimes times = pipeline_counts_times(&p->counts);
+    pthread_mutex_unlock(&p->lock);
+    return times;
+}

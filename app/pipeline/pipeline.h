@@ -1,0 +1,54 @@
+// app/pipeline/pipeline.h: the stages of a frame: refine it on the workers while the one before is drawn by the render
+// thread. Pixels, milliseconds, ECEF metres. A Pipeline owns its threads, Lods, Renderer and packets; it borrows
+// terrain, jobs and context. One thread submits.
+#pragma once
+#include "app/pipeline/pipeline_counts.h"
+#include "base/base.h"
+#include "base/paths.h"
+#include "render/context.h"
+#include "render/render.h"
+#include "terrain/lod/lod.h"
+
+#define PIPELINE_MESSAGE_BYTES 160
+
+// What a frame shall show. Copied on submission.
+typedef struct FrameOrder {
+    LodMethod method;
+    bool compare; // with `right` on the right half of the picture
+    LodMethod right;
+    LodView view;
+    int width, height;                    // pixels of the framebuffer
+    RenderPacket look;                    // all but cuts, `split`, and the HUD's message and methods
+    char message[PIPELINE_MESSAGE_BYTES]; // for the HUD; "": none
+    char picture[PATHS_BYTES_MAX];        // write the finished frame as PNG; "": no
+} FrameOrder;
+
+typedef struct PipelineOptions {
+    bool threaded; // false: pipeline_submit refines and draws before it returns
+    LodOptions lod;
+    bool compare; // the first orders will want `right` on the right half
+    LodMethod right;
+    RenderOptions render;
+    const Terrain *terrain;
+    Jobs *jobs;
+    Context *context; // current nowhere; the drawing thread makes it current
+} PipelineOptions;
+
+typedef struct Pipeline Pipeline;
+// Errors of the renderer's creation come from here: DEVICE, MEMORY, IO; and of lod_create for the first methods.
+MUST_USE Result pipeline_create(const PipelineOptions *options, Pipeline **out);
+// Ends the threads and frees all; what was submitted and not begun is dropped.
+void pipeline_destroy(Pipeline **pipeline);
+
+// Hands over an order. A method that no Lod has yet is created, where threaded, while the flight goes on with the one
+// before, or without the right half; it takes over after its first refinement. One that cannot be created or refined is
+// refused: the one before stays, and PipelineStats.changes tells it. It is not tried again until another was wanted.
+//  While the stage before is still busy: `wait` true waits; false replaces an order that was not
+// begun, as only the newest view matters to a person. Pictures are never dropped. The error of any earlier frame comes
+// back here.
+MUST_USE Result pipeline_submit(Pipeline *pipeline, const FrameOrder *order, bool wait);
+// Waits until everything submitted is drawn; the error of any frame.
+MUST_USE Result pipeline_drain(Pipeline *pipeline);
+
+PipelineStats pipeline_stats(Pipeline *pipeline);
+PipelineTimes pipeline_times(Pipeline *pipeline);

@@ -1,0 +1,49 @@
+// app/pipeline/pipeline_counts.h: what the frames of a pipeline were and what they cost.
+// Pixels, milliseconds.
+// Values; one thread at a time.
+#pragma once
+#include "app/pipeline/frame_times.h"
+#include "app/pipeline/pipeline_methods.h"
+#include "render/render.h"
+#include "terrain/lod/lod.h"
+
+// What one method gave for the last frame drawn.
+typedef struct PipelineCut {
+    LodMethod method;
+    LodStats lod;
+    double reached_px;
+    bool promises; // reached_px, at every sample
+} PipelineCut;
+
+typedef struct PipelineStats {
+    int64_t frames;  // drawn
+    PipelineCut cut; // of the last frame drawn, as all below
+    bool split;      // with `right` on the right half
+    PipelineCut right;
+    RenderStats render;
+    double frame_ms, frame_p99_ms; // from the end of the frame before to its end: the last, and of the last seconds
+    double longest_frame_ms;       // of all
+    int64_t triangles_sum;         // over all frames
+    int64_t frames_split;
+    int64_t frames_by_method[LOD_METHOD_COUNT]; // that it had the whole picture or a half of
+    MethodChanges changes;
+    Result picture_failure; // of the first picture that could not be written; the flight goes on
+} PipelineStats;
+
+typedef struct PipelineTimes {
+    FrameTimesSummary frame, refine, upload, draw;            // of all frames
+    FrameTimesSummary right_refine, right_upload, right_draw; // of the split ones
+} PipelineTimes;
+
+typedef struct PipelineCounts {
+    PipelineStats stats;
+    int64_t last_end_ns;
+    FrameTimes frame, refine, upload, draw, right_refine, right_upload, right_draw;
+} PipelineCounts;
+
+// A frame that is drawn, made by these methods.
+void pipeline_counts_add(PipelineCounts *counts, const RenderPacket *packet, const LodMethod methods[METHODS_HALVES],
+                         const RenderStats *render, int64_t now_ns);
+// One line in the log, which begins with `where`.
+void pipeline_cut_log(const char *where, const PipelineCut *cut);
+PipelineTimes pipeline_counts_times(const PipelineCounts *counts);

@@ -1,0 +1,82 @@
+#define _POSIX_C_SOURCE 200809L
+#include "app/reproduce/reproduce_report.h"
+#include "base/log.h"
+#include "base/paths.h"
+#include "config/files.h"
+#include "terrain/mesh/mesh_file.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+Result report_check_folder(const char *folder) {
+    char probe[PATHS_BYTES_MAX];
+    if (!files_is_folder(folder)) {
+        log_error("%s: not a folder; expected one that is there: mkdir -p '%s'", folder, folder);
+        return RESULT_NOT_FOUND;
+    }
+    int printed = snprintf(probe, sizeof probe, "%s/.overfly-%ld", folder, (long)getpid());
+    FILE *file = printed < (int)sizeof probe ? fopen(probe, "w") : NULL;
+    if (!file) {
+        log_error("%s: no file can be made in it: %s; name another folder with -o", folder, strerror(errno));
+        return RESULT_IO;
+    }
+    fclose(file);
+    unlink(probe);
+    return RESULT_OK;
+}
+
+static Result write_whole(const char *path, const char *bytes, size_t count) {
+    MeshFile *file = NULL;
+    Result result = mesh_file_create(path, &file);
+    if (result != RESULT_OK)
+        return result;
+    mesh_file_bytes(file, bytes, count);
+    return mesh_file_commit(&file);
+}
+
+typedef enum Form { FORM_TEXT, FORM_JSON, FORM_CSV } Form;
+
+// `table`: for CSV only.
+static Result print_form(const Report *report, const ReportTable *table, Form form, FILE *to) {
+    if (form == FORM_JSON)
+        return report_write_json(report, to);
+    if (form == FORM_TEXT)
+        report_write_text(report, to);
+    else
+        report_write_csv(table, to);
+    return RESULT_OK;
+}
+
+static Result write_form(const Report *report, const ReportTable *table, Form form, const char *path) {
+    char *bytes = NULL;
+    size_t count = 0;
+    FILE *memory = open_memstream(&bytes, &count);
+    Result result = memory ? print_form(report, table, form, memory) : RESULT_MEMORY;
+    bool complete = memory && !ferror(memory);
+    if (memory && fclose(memory) != 0)
+        complete = false;
+    if (!memory || (result == RESULT_OK && !complete)) {
+        log_error("%s: no memory to write it", path);
+        result = RESULT_MEMORY;
+    }
+    if (result == RESULT_OK)
+        result = write_whole(path, bytes, count);
+    free(bytes);
+    return result;
+}
+
+Result report_write_files(const Report *report, const char *folder) {
+    char path[PATHS_BYTES_MAX];
+    snprintf(path, sizeof path, "%s/%s.md", folder, report->paper);
+    Result result = write_form(report, NULL, FORM_TEXT, path);
+    snprintf(path, sizeof path, "%s/%s.json", folder, report->paper);
+    if (result == RESULT_OK)
+        result = write_form(report, NULL, FORM_JSON, path);
+    for (int i = 0; i < report->table_count && result == RESULT_OK; i++) {
+        snprintf(path, sizeof path, "%s/%s_%s.csv", folder, report->paper, report->tables[i].id);
+        result = write_form(report, &report->tables[i], FORM_CSV, path);
+    }
+    return result;
+}
