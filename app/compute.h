@@ -4,7 +4,7 @@
 #pragma once
 #include "app/json.h"
 #include "config/options.h"
-#include "render/context.h"
+#include "render/context/context.h"
 #include "render/render.h"
 #include "terrain/terrain.h"
 

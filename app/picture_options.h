@@ -3,7 +3,7 @@
 // Texts are borrowed from the options and the scene.
 #pragma once
 #include "app/scene_load.h"
-#include "render/context.h"
+#include "render/context/context.h"
 #include "render/render.h"
 
 ContextOptions picture_context_options(const Options *options);

@@ -3,7 +3,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "render/gl.h"
-#include "render/hud.h"
+#include "render/hud/hud.h"
 #include "render/scene.h"
 #include "render/target.h"
 #include "render/timing.h"

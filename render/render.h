@@ -105,7 +105,7 @@ RenderOptions render_default_options(void);
 
 typedef struct Renderer Renderer;
 // With the context current. Takes about a second for 20 million samples. DEVICE: no framebuffer, no patch cache, or the
-// shaders do not compile; NOT_FOUND: the shaders; MEMORY; for the draped image what render/drape.h says.
+// shaders do not compile; NOT_FOUND: the shaders; MEMORY; for the draped image what render/ground/drape.h says.
 MUST_USE Result render_create(const RenderOptions *options, const Terrain *terrain, Renderer **out);
 void render_destroy(Renderer **renderer);
 void render_resize(Renderer *renderer, int width, int height);

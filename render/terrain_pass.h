@@ -3,7 +3,7 @@
 // A TerrainPass owns its programs and buffers; thread of the context.
 #pragma once
 #include "render/frame.h"
-#include "render/ground.h"
+#include "render/ground/ground.h"
 #include "render/patch_cache.h"
 
 typedef struct TerrainPass TerrainPass;

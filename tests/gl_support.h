@@ -3,7 +3,7 @@
 // Header only: everything belongs to the test.
 #pragma once
 #include "base/log.h"
-#include "render/context.h"
+#include "render/context/context.h"
 
 #include <stdio.h>
 

@@ -14,7 +14,7 @@
 
 #include <cmocka.h>
 
-#include "render/context.h"
+#include "render/context/context.h"
 #include "render/gl.h"
 #include "tests/heard.h"
 

@@ -22,7 +22,7 @@
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #include <stb/stb_image_write.h>
 
-#include "render/context.h"
+#include "render/context/context.h"
 
 #define SKIP_STATUS 77
 #define ARGUMENTS_MAX 28

@@ -12,9 +12,9 @@
 
 #include "base/log.h"
 #include "render/frame.h"
-#include "render/ground_shade.h"
-#include "render/ground_surface.h"
-#include "render/noise.h"
+#include "render/ground/ground_shade.h"
+#include "render/ground/ground_surface.h"
+#include "render/ground/noise.h"
 #include "terrain/geodesy.h"
 #include "tests/cut_support.h"
 

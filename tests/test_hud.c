@@ -13,7 +13,7 @@
 #include <cmocka.h>
 
 #include "base/paths.h"
-#include "render/hud_paint.h"
+#include "render/hud/hud_paint.h"
 #include "terrain/geodesy.h"
 
 #define RAD (3.14159265358979323846 / 180.0)

@@ -11,9 +11,9 @@
 #include <cmocka.h>
 
 #include "base/log.h"
-#include "render/context.h"
+#include "render/context/context.h"
 #include "render/gl.h"
-#include "render/hud.h"
+#include "render/hud/hud.h"
 #include "terrain/geodesy.h"
 
 #define WIDTH 1280

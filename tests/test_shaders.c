@@ -13,10 +13,10 @@
 
 #include <cmocka.h>
 
-#include "render/drape.h"
 #include "render/frame.h"
 #include "render/gl.h"
-#include "render/ground.h"
+#include "render/ground/drape.h"
+#include "render/ground/ground.h"
 #include "render/shader.h"
 #include "tests/gl_support.h"
 #include "tests/heard.h"

@@ -1,4 +1,4 @@
-// Characters, measures and the atlas of render/text.h, and what a canvas makes of them. No GL.
+// Characters, measures and the atlas of render/hud/text.h, and what a canvas makes of them. No GL.
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -11,8 +11,8 @@
 
 #include "base/log.h"
 #include "base/paths.h"
-#include "render/canvas.h"
-#include "render/text.h"
+#include "render/hud/canvas.h"
+#include "render/hud/text.h"
 
 static int open_font(void **state) {
     char path[PATHS_BYTES_MAX];

@@ -4,7 +4,7 @@
 #pragma once
 #include "app/flight/flight_session.h"
 #include "app/pipeline/pipeline.h"
-#include "render/context.h"
+#include "render/context/context.h"
 
 typedef struct FlightLoop {
     FlightSession *session;

@@ -5,7 +5,7 @@
 #include "app/pipeline/pipeline_counts.h"
 #include "base/base.h"
 #include "base/paths.h"
-#include "render/context.h"
+#include "render/context/context.h"
 #include "render/render.h"
 #include "terrain/lod/lod.h"
 

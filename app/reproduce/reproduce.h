@@ -8,7 +8,7 @@
 #include "app/reproduce/reproduce_site.h"
 #include "base/base.h"
 #include "config/options.h"
-#include "render/context.h"
+#include "render/context/context.h"
 
 #define REPRODUCE_SIDES_MAX 8
 #define REPRODUCE_FRAME_HZ 60.0

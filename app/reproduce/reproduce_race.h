@@ -5,7 +5,7 @@
 #include "app/viewpoint.h"
 #include "base/arena.h"
 #include "base/base.h"
-#include "render/context.h"
+#include "render/context/context.h"
 #include "terrain/lod/lod.h"
 #include "terrain/terrain.h"
 

@@ -5,7 +5,7 @@
 #pragma once
 #include "render/diamond/diamond_gpu.h"
 #include "render/frame.h"
-#include "render/ground.h"
+#include "render/ground/ground.h"
 
 typedef struct DiamondPass DiamondPass;
 

@@ -1,6 +1,6 @@
 #version 450 core
 // Coverage of a shape of a canvas from the signed distance to its outline, in pixels, negative inside.
-// Binding: texture unit 0, the atlas of distance fields (render/text.h), one channel.
+// Binding: texture unit 0, the atlas of distance fields (render/hud/text.h), one channel.
 layout(binding = 0) uniform sampler2D u_atlas;
 
 layout(location = 0) out vec4 colour; // not premultiplied

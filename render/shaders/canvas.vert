@@ -1,5 +1,5 @@
 #version 450 core
-// A quad around each shape of a canvas (render/canvas.h: CanvasShape). Four vertices an instance, a triangle strip.
+// A quad around each shape of a canvas (render/hud/canvas.h: CanvasShape). Four vertices an instance, a triangle strip.
 // Lengths in pixels from the top left corner, y downwards. Everything linear in the position is computed here.
 layout(location = 0) in vec4 in_a;
 layout(location = 1) in vec4 in_b;

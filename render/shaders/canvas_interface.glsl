@@ -1,4 +1,4 @@
-// Between the stages of the canvas, and CanvasKind of render/canvas.h.
+// Between the stages of the canvas, and CanvasKind of render/hud/canvas.h.
 const int CANVAS_LINE = 0;
 const int CANVAS_BOX = 1;
 const int CANVAS_TRIANGLE = 2;

@@ -1,4 +1,4 @@
-// An image on the land and on the globe around it; the twin of render/drape.h.
+// An image on the land and on the globe around it; the twin of render/ground/drape.h.
 // Units: image coordinates 0 .. 1, v down; linear albedo out.
 layout(std140, binding = 2) uniform DrapeBlock {
     vec4 globe; // image coordinates = (longitude, latitude in radians - xy) * zw; zw 0: not on the globe

@@ -1,4 +1,4 @@
-// The ground's textures and uniforms; the twin of render/ground.h.
+// The ground's textures and uniforms; the twin of render/ground/ground.h.
 // Units: metres above the geoid; DEM samples.
 layout(std140, binding = 1) uniform GroundBlock {
     vec4 texel;  // coordinates = sample * xy + zw

@@ -17,8 +17,9 @@ vec2 land_lines_m(float sin_lat) {
     return vec2(trees, max(snow, trees + 300.0));
 }
 
-// coarse, middle, fine: texels of the noise (see render/noise.h) at falling scales; steep: 1 - normal.z; spread: 1, and
-// more where a pixel covers several cells, so that borders finer than a pixel become shares of both sides.
+// coarse, middle, fine: texels of the noise (see render/ground/noise.h) at falling scales; steep: 1 - normal.z;
+// spread: 1, and more where a pixel covers several cells, so that borders finer than a pixel become shares of both
+// sides.
 Land land_at(float h_m, float steep, float north, float open_sky, vec2 lines_m, vec4 coarse, vec4 middle, vec4 fine,
              float spread) {
     float large = coarse.r * 2.0 - 1.0, mid = middle.r * 2.0 - 1.0, small = fine.r * 2.0 - 1.0;

@@ -1,0 +1,14 @@
+// render/hud/canvas_gl.h: draw a Canvas with GL.
+// Pixels from the top left corner.
+// A CanvasGl owns its GL objects and belongs to the thread that has the context current.
+#pragma once
+#include "render/hud/canvas.h"
+
+typedef struct CanvasGl CanvasGl;
+
+// Needs a current GL 4.5 context. NOT_FOUND, FORMAT, DEVICE: the shaders, as shader_create_program says; MEMORY.
+MUST_USE Result canvas_gl_create(CanvasGl **out);
+void canvas_gl_destroy(CanvasGl **gl);
+
+// One draw call over the framebuffer bound for drawing. Changes no GL state beyond its own objects: see hud_draw.
+void canvas_gl_draw(CanvasGl *gl, const Canvas *canvas, const Text *text, int width, int height);

@@ -1,0 +1,97 @@
+#include "render/hud/hud_paint.h"
+
+#include <math.h>
+
+CanvasColour hud_faded(CanvasColour colour, double opacity) {
+    colour.a *= (float)opacity;
+    return colour;
+}
+
+double hud_fade(double value, double from, double to) {
+    double t = fmin(fmax((to - value) / (to - from), 0.0), 1.0);
+    return t * t * (3.0 - 2.0 * t);
+}
+
+void hud_text(const HudPainter *painter, CanvasPoint baseline, float size_px, CanvasAlign align, CanvasColour colour,
+              const char *utf8) {
+    CanvasFont font = {.text = painter->text, .size_px = size_px, .align = align, .colour = colour};
+    canvas_text(painter->canvas, &font, baseline, utf8);
+}
+
+float hud_fitting_size(const HudPainter *painter, const char *utf8, float size_px, float width_px) {
+    float width = text_width_px(painter->text, utf8, size_px);
+    return width > width_px ? size_px * width_px / width : size_px;
+}
+
+float hud_baseline(const HudPainter *painter, float middle_y, float size_px) {
+    return roundf(middle_y + text_cap_height(painter->text) * size_px * 0.5f);
+}
+
+// What lies over directions lies over those of each half.
+static void paint_half(const HudPainter *painter, const RenderPacket *packet, float x0, float x1) {
+    HudPainter half = *painter;
+    half.layout.centre.x = 0.5f * (x0 + x1);
+    half.view.centre_x = (double)half.layout.centre.x;
+    hud_paint_attitude(&half, packet);
+}
+
+void hud_paint_flight(const HudPainter *painter, const RenderPacket *packet) {
+    float width = painter->layout.width, middle = (float)render_left_width((int)width);
+    if (packet->split) {
+        paint_half(painter, packet, 0.0f, middle);
+        paint_half(painter, packet, middle, width);
+    } else {
+        hud_paint_attitude(painter, packet);
+    }
+    hud_paint_scales(painter, &packet->hud);
+}
+
+// Below the heading, where that is shown.
+void hud_paint_divider(const HudPainter *painter, const RenderPacket *packet) {
+    const HudLayout *layout = &painter->layout;
+    float x = (float)render_left_width((int)layout->width), width = 1.5f * layout->unit;
+    float y = packet->hud.show_flight && !packet->hud.show_help ? layout->heading.y1 : 0.0f;
+    CanvasColour colour = hud_faded(HUD_INK, 0.8);
+    canvas_line(painter->canvas, (CanvasPoint){x, y}, (CanvasPoint){x, layout->height}, width, colour);
+}
+
+static bool wants_names(const RenderPacket *packet) {
+    return packet->split && packet->hud.show_names && !packet->hud.show_numbers;
+}
+
+static bool wants_panels(const RenderPacket *packet) {
+    return packet->hud.show_numbers || wants_names(packet) || hud_wants_legend(packet);
+}
+
+static void paint_panels(const HudPainter *painter, const RenderPacket *packet, const RenderStats *previous) {
+    if (painter->layout.panel.x1 <= painter->layout.panel.x0)
+        return;
+    if (packet->hud.show_numbers)
+        hud_paint_numbers(painter, packet, previous);
+    if (wants_names(packet))
+        hud_paint_names(painter, packet);
+    if (hud_wants_legend(packet))
+        hud_paint_legend(painter, packet);
+}
+
+void hud_paint(Canvas *canvas, Text *text, const RenderPacket *packet, const RenderStats *previous, int width,
+               int height) {
+    const RenderHud *hud = &packet->hud;
+    HudPainter painter = {.canvas = canvas,
+                          .text = text,
+                          .layout = hud_layout_make(width, height, wants_panels(packet)),
+                          .view = hud_view_make(&packet->camera, width, height)};
+    canvas_begin(canvas, painter.layout.unit);
+    if (packet->split) {
+        hud_layout_split(&painter.layout);
+        hud_paint_divider(&painter, packet);
+    }
+    if (hud->show_help) {
+        hud_paint_help(&painter, hud);
+        return;
+    }
+    if (hud->show_flight)
+        hud_paint_flight(&painter, packet);
+    paint_panels(&painter, packet, previous);
+    hud_paint_message(&painter, hud);
+}
