@@ -134,6 +134,17 @@ static FlightSettings default_settings(void) {
     return settings;
 }
 
+static void options_name_the_methods_that_there_are(void **state) {
+    (void)state;
+    char names[256] = "";
+    for (int i = 0; i < LOD_METHOD_COUNT; i++) {
+        strcat(names, i ? "|" : "");
+        strcat(names, lod_method_name((LodMethod)i));
+    }
+    assert_string_equal(option_spec(OPTION_METHOD)->choices, names);
+    assert_string_equal(option_spec(OPTION_COMPARE)->choices, names);
+}
+
 static void keys_change_what_they_say(void **state) {
     (void)state;
     char message[64];
@@ -281,6 +292,7 @@ int main(void) {
         cmocka_unit_test(rudder_and_throttle_stay_until_changed),
         cmocka_unit_test(presses_come_in_order_and_shift_matters),
         cmocka_unit_test(every_action_has_keys_and_help),
+        cmocka_unit_test(options_name_the_methods_that_there_are),
         cmocka_unit_test(keys_change_what_they_say),
         cmocka_unit_test(a_method_that_cannot_come_is_told_once),
         cmocka_unit_test(the_corner_of_a_picture_sees_smaller_angles),

@@ -362,6 +362,25 @@ static void test_views_that_are_no_views_are_refused(void **state) {
     flight_end(&f);
 }
 
+static void test_options_out_of_range_are_refused(void **state) {
+    LodOptions good = options_of(method_of(state)), bad[] = {good, good, good, good, good, good};
+    bad[0].partitions = -1;
+    bad[1].partitions = LOD_PARTITIONS_MAX + 1;
+    bad[2].max_triangles = 0;
+    bad[3].tile_side = 34;
+    bad[4].tile_side = 257;
+    bad[5].method = LOD_METHOD_COUNT;
+    Flight f = flight_begin(&good, 1, 33, 33, 6);
+    log_set_sink(keep_quiet, NULL);
+    for (size_t i = 0; i < COUNT_OF(bad); i++) {
+        Lod *lod = NULL;
+        assert_int_equal(lod_create(&bad[i], f.terrain, &lod), RESULT_RANGE);
+        assert_null(lod);
+    }
+    log_set_sink(NULL, NULL);
+    flight_end(&f);
+}
+
 static void test_extreme_tolerances_give_whole_cuts(void **state) {
     LodOptions options = options_of(method_of(state));
     Flight f = flight_begin(&options, 2, 97, 97, 6);
@@ -390,6 +409,7 @@ static void test_extreme_tolerances_give_whole_cuts(void **state) {
     X(test_numbers_of_pages_and_lists_are_never_used_again)                                                            \
     X(test_a_frame_that_is_still_read_keeps_its_bytes)                                                                 \
     X(test_the_budget_holds_and_the_cut_says_which_error_it_reached)                                                   \
+    X(test_options_out_of_range_are_refused)                                                                           \
     X(test_views_that_are_no_views_are_refused)                                                                        \
     X(test_extreme_tolerances_give_whole_cuts)
 

@@ -100,7 +100,8 @@ static void say_methods(const FlightSettings *settings, char *message, size_t si
         snprintf(message, size, "left: %s, right: %s", lod_method_name(settings->method),
                  lod_method_name(settings->right));
     else
-        snprintf(message, size, "method: %s", lod_method_name(settings->method));
+        snprintf(message, size, "method: %s (%s)", lod_method_name(settings->method),
+                 lod_method_source(settings->method));
 }
 
 static bool apply_method(FlightSettings *settings, Action action, char *message, size_t size) {

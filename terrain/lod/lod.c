@@ -6,16 +6,16 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const LodOps *const METHODS[LOD_METHOD_COUNT] = {
-    [LOD_HYBRID] = &LOD_HYBRID_OPS,
-    [LOD_PATCH] = &LOD_PATCH_OPS,
-    [LOD_ROAM] = &LOD_ROAM_OPS,
-    [LOD_ROAM_PARALLEL] = &LOD_ROAM_PARALLEL_OPS,
-    [LOD_GEOMIPMAP] = &LOD_GEOMIPMAP_OPS,
-    [LOD_GEOMIPMAP_YE] = &LOD_GEOMIPMAP_YE_OPS,
-    [LOD_DIAMOND] = &LOD_DIAMOND_OPS,
-    [LOD_BRUTE] = &LOD_BRUTE_OPS,
+// clang-format off
+static const struct {
+    const LodOps *ops;
+    const char *name, *source;
+} METHODS[LOD_METHOD_COUNT] = {
+#define LOD_METHOD_ROW(id, name, source) [LOD_##id] = {&LOD_##id##_OPS, name, source},
+    LOD_METHOD_TABLE(LOD_METHOD_ROW)
+#undef LOD_METHOD_ROW
 };
+// clang-format on
 
 struct Lod {
     const LodOps *ops;
@@ -24,21 +24,11 @@ struct Lod {
 };
 
 const char *lod_method_name(LodMethod method) {
-    static const char *const names[LOD_METHOD_COUNT] = {
-#define LOD_METHOD_NAME(id, name, source) name,
-        LOD_METHOD_TABLE(LOD_METHOD_NAME)
-#undef LOD_METHOD_NAME
-    };
-    return names[method];
+    return METHODS[method].name;
 }
 
 const char *lod_method_source(LodMethod method) {
-    static const char *const sources[LOD_METHOD_COUNT] = {
-#define LOD_METHOD_SOURCE(id, name, source) source,
-        LOD_METHOD_TABLE(LOD_METHOD_SOURCE)
-#undef LOD_METHOD_SOURCE
-    };
-    return sources[method];
+    return METHODS[method].source;
 }
 
 LodOptions lod_default_options(void) {
@@ -50,22 +40,32 @@ LodOptions lod_default_options(void) {
                         .tile_side = 33};
 }
 
-Result lod_create(const LodOptions *options, const Terrain *terrain, Lod **out) {
-    if (options->partitions < 0 || options->partitions > LOD_PARTITIONS_MAX || options->max_triangles < 1) {
-        log_error(
-            "level of detail: %d partitions, %lld triangles at most: give 0 to %d partitions, and a triangle or more",
-            options->partitions, (long long)options->max_triangles, LOD_PARTITIONS_MAX);
+static Result check_options(const LodOptions *options) {
+    int cells = options->tile_side - 1;
+    if ((unsigned)options->method >= LOD_METHOD_COUNT || options->partitions < 0 ||
+        options->partitions > LOD_PARTITIONS_MAX || options->max_triangles < 1) {
+        log_error("level of detail: method %d, %d partitions, %lld triangles at most: give one of %d methods, 0 to %d "
+                  "partitions, and a triangle or more",
+                  (int)options->method, options->partitions, (long long)options->max_triangles, LOD_METHOD_COUNT,
+                  LOD_PARTITIONS_MAX);
         return RESULT_RANGE;
     }
-    if (!METHODS[options->method]) {
-        log_error("level of detail: %s is not part of this program", lod_method_name(options->method));
-        return RESULT_NOT_FOUND;
+    if (cells < 2 || cells > 128 || (cells & (cells - 1)) != 0) {
+        log_error("level of detail: tiles of %d samples a side: give 3, 5, 9 ... 129", options->tile_side);
+        return RESULT_RANGE;
     }
+    return RESULT_OK;
+}
+
+Result lod_create(const LodOptions *options, const Terrain *terrain, Lod **out) {
+    Result result = check_options(options);
+    if (result != RESULT_OK)
+        return result;
     Lod *lod = calloc(1, sizeof *lod);
     if (!lod)
         return RESULT_MEMORY;
-    lod->ops = METHODS[options->method];
-    Result result = lod->ops->create(options, terrain, &lod->state);
+    lod->ops = METHODS[options->method].ops;
+    result = lod->ops->create(options, terrain, &lod->state);
     if (result != RESULT_OK) {
         if (result == RESULT_MEMORY) // the method has told anything else
             log_error("level of detail: %s: not enough memory", lod_method_name(options->method));
