@@ -13,11 +13,12 @@
 #define FULL_HZ 1.0
 #define QUICK_POSITIONS 12
 #define WORKERS 2
+#define SECTORS_A_WORKER 2 // of equal predicted work: the part that the paper left open
 #define FULL_PROBES 24
 #define QUICK_PROBES 6
 #define TRIANGLES_PER_VERTEX 2.0 // Euler: T = 2 V less the rim
 
-enum { SERIAL, PARALLEL };
+enum { SERIAL, PARALLEL, SECTORS };
 
 enum {
     COL_GROUND,
@@ -41,6 +42,11 @@ enum {
     COL_SURPLUS,
     COL_SERIAL_DRAWN,
     COL_PARALLEL_DRAWN,
+    COL_SECTORS_P50,
+    COL_SECTORS_P99,
+    COL_SECTORS_INCREASE,
+    COL_SECTORS_BALANCE,
+    COL_SECTORS_SURPLUS,
     COL_COUNT
 };
 
@@ -66,6 +72,11 @@ static const ReportColumn COLUMNS[COL_COUNT] = {
     [COL_SURPLUS] = {REPORT_OURS, "surplus_percent", "surplus triangles, %", 3},
     [COL_SERIAL_DRAWN] = {REPORT_OURS, "serial_drawn_fps", "serial frames/s, drawn", 2},
     [COL_PARALLEL_DRAWN] = {REPORT_OURS, "parallel_drawn_fps", "parallel frames/s, drawn", 2},
+    [COL_SECTORS_P50] = {REPORT_OURS, "sectors_update_p50_ms", "sectors update p50, ms", 2},
+    [COL_SECTORS_P99] = {REPORT_OURS, "sectors_update_p99_ms", "sectors p99, ms", 2},
+    [COL_SECTORS_INCREASE] = {REPORT_OURS, "sectors_increase_percent", "sectors increase, %", 1},
+    [COL_SECTORS_BALANCE] = {REPORT_OURS, "sectors_balance", "longest sector / mean", 3},
+    [COL_SECTORS_SURPLUS] = {REPORT_OURS, "sectors_surplus_percent", "sectors' surplus triangles, %", 3},
 };
 static const ReportTable TABLE = {.id = "table1",
                                   .name = "Table 1: serial and uncoupled parallel tessellation",
@@ -99,6 +110,20 @@ static void set_figures(ReportCell *row, const FiguresUncoupled *figures) {
     row[COL_PAPER_INCREASE] = report_number(figures->increase_percent);
 }
 
+static double surplus_percent(const Race *race, int racer) {
+    double serial = race_mean(race, SERIAL, race->racers[SERIAL].triangles);
+    return 100.0 * (race_mean(race, racer, race->racers[racer].triangles) / serial - 1.0);
+}
+
+static void set_sectors(ReportCell *row, const Race *race) {
+    RaceTimes times = race_times(race, SECTORS);
+    row[COL_SECTORS_P50] = report_number(times.p50_ms);
+    row[COL_SECTORS_P99] = report_number(times.p99_ms);
+    row[COL_SECTORS_INCREASE] = report_number(100.0 * (race_ratio(race, SERIAL, SECTORS) - 1.0));
+    row[COL_SECTORS_BALANCE] = report_number(race_mean(race, SECTORS, race->racers[SECTORS].balance));
+    row[COL_SECTORS_SURPLUS] = report_number(surplus_percent(race, SECTORS));
+}
+
 static void set_race(ReportCell *row, const Flight *flight, const Race *race, int aim) {
     RaceTimes serial = race_times(race, SERIAL), parallel = race_times(race, PARALLEL);
     const Racer *one = &race->racers[SERIAL], *two = &race->racers[PARALLEL];
@@ -115,16 +140,20 @@ static void set_race(ReportCell *row, const Flight *flight, const Race *race, in
     row[COL_INCREASE] = report_number(100.0 * (race_ratio(race, SERIAL, PARALLEL) - 1.0));
     row[COL_NS] = report_number(1e9 / serial.fps / triangles);
     row[COL_BALANCE] = report_number(race_mean(race, PARALLEL, two->balance));
-    row[COL_SURPLUS] = report_number(100.0 * (race_mean(race, PARALLEL, two->triangles) / triangles - 1.0));
+    row[COL_SURPLUS] = report_number(surplus_percent(race, PARALLEL));
     row[COL_SERIAL_DRAWN] = report_number(race_drawn_fps(race, SERIAL));
     row[COL_PARALLEL_DRAWN] = report_number(race_drawn_fps(race, PARALLEL));
+    set_sectors(row, race);
 }
 
 static Result enter_racers(const Flight *flight, Race *race) {
     LodOptions serial = roam_options(LOD_ROAM, 1), parallel = roam_options(LOD_ROAM_PARALLEL, WORKERS);
+    LodOptions sectors = roam_options(LOD_ROAM_PARALLEL, SECTORS_A_WORKER * WORKERS);
     Result result = race_enter(race, &serial, flight->run->one);
     if (result == RESULT_OK)
         result = race_enter(race, &parallel, flight->two);
+    if (result == RESULT_OK)
+        result = race_enter(race, &sectors, flight->two);
     return result;
 }
 
@@ -196,11 +225,12 @@ static void note_set_up(Reproduce *run, const Flight *flight) {
                 "%g m above the ground; the mesh is built anew at each",
                 FLIGHT_SECONDS, flight->positions, FLIGHT_SECONDS / flight->positions, WIDTH, HEIGHT, REPRODUCE_FOV_DEG,
                 REPRODUCE_HEIGHT_M);
-    report_note(&run->report.set_up,
-                "The tolerance of each row is searched for its vertices; vertices are triangles / 2; serial: 1 thread; "
-                "parallel: 2 partitions, %d threads; both refine each position in turn, increase is the median of the "
-                "positions' ratios",
-                WORKERS);
+    report_note(
+        &run->report.set_up,
+        "The tolerance of each row is searched for its vertices; vertices are triangles / 2; serial: 1 thread; "
+        "parallel: the 2 sides of the plane of sight, %d threads; sectors: %d of equal predicted work, as many "
+        "threads; each refines each position in turn, increase is the median of the positions' ratios to serial",
+        WORKERS, SECTORS_A_WORKER * WORKERS);
     if (run->quick)
         report_note(&run->report.left_out, "the rough synthetic ground");
 }
