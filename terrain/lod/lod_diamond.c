@@ -38,7 +38,6 @@ typedef struct Diamonds {
     const Terrain *terrain;
     DiamondModel model;
     DiamondProgram program;
-    bool ready;       // the model and what follows from it are there
     int64_t vertices; // that are asked about in a frame
     SquareGrid grid;
     DiamondSquares squares;
@@ -92,27 +91,19 @@ static void destroy_parts(Diamonds *d) {
     free(d->kept);
     free(d->bits);
     free(d->before);
-    d->kept = NULL;
-    d->bits = d->before = NULL;
 }
 
-// In the first frame, which has workers.
-static Result make_ready(Diamonds *d, Jobs *jobs) {
-    if (d->ready)
-        return RESULT_OK;
+static Result make_model(Diamonds *d, Jobs *jobs) {
     unsigned fields = d->options.select ? diamond_select_fields(d->options.select) : 0;
     Result result = diamond_model_create(d->terrain, fields, lod_first_id(&d->options) + 1, jobs, &d->model);
     if (result == RESULT_OK && !d->options.resident)
         result = diamond_generate_errors(&d->model, jobs, NULL);
     if (result == RESULT_OK && !d->options.resident)
         result = create_squares(d);
-    if (result != RESULT_OK) {
-        destroy_parts(d);
+    if (result != RESULT_OK)
         return result;
-    }
     diamond_select_bind(d->options.select, &d->model, &d->program);
     d->vertices = diamond_count(&d->model, d->model.valid);
-    d->ready = true;
     return RESULT_OK;
 }
 
@@ -318,15 +309,12 @@ static Result refine(Update *u, LodCut *cut) {
 
 static Result diamonds_update(void *state, const LodCall *call, LodCut *cut) {
     Diamonds *d = state;
-    Result result = make_ready(d, call->jobs);
-    if (result != RESULT_OK)
-        return result;
     if (d->options.resident)
         return give_order(d, call, cut);
     Update u = {.d = d, .call = call};
     if (!allocate_update(&u))
         return RESULT_MEMORY;
-    result = refine(&u, cut);
+    Result result = refine(&u, cut);
     cut->promises = keeps_tau(d);
     square_page_evict(&d->pages, call->released, d->options.page_bytes_max);
     return result;
@@ -339,13 +327,23 @@ static void diamonds_destroy(void *state) {
     free(d);
 }
 
+// With workers of its own, as those of the frames may be at work.
 static Result diamonds_create(const LodOptions *options, const Terrain *terrain, void **state) {
     Diamonds *d = calloc(1, sizeof *d);
+    Jobs *jobs = NULL;
     if (!d)
         return RESULT_MEMORY;
     d->options = *options;
     d->terrain = terrain;
     d->next_revision = lod_first_id(options);
+    Result result = jobs_create(0, &jobs);
+    if (result == RESULT_OK)
+        result = make_model(d, jobs);
+    jobs_destroy(&jobs);
+    if (result != RESULT_OK) {
+        diamonds_destroy(d);
+        return result;
+    }
     *state = d;
     return RESULT_OK;
 }
