@@ -123,6 +123,7 @@ LodOptions scene_lod_options(const Options *options) {
     lod.max_triangles = options_integer(options, OPTION_MAX_TRIANGLES);
     lod.reuse = options_flag(options, OPTION_REUSE);
     lod.bound = options_choice(options, OPTION_BOUND) == 0 ? LOD_BOUND_PUBLISHED : LOD_BOUND_CENTRE;
+    lod.unit_m = options_number(options, OPTION_UNIT);
     lod.tile_side = (2 << options_choice(options, OPTION_TILE_SIDE)) + 1;
     return lod;
 }

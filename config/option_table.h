@@ -44,11 +44,13 @@
     X(METHOD, "method", 'm', CHOICE, NULL, "hybrid", 0, 0, CHOICES_METHOD, COMMANDS_SCENE, "level-of-detail method")   \
     X(TAU, "tau", 't', NUMBER, "PX", "1", 0.01, 1000, NULL, COMMANDS_SCENE, "tolerated error at the image centre")     \
     X(PARTITIONS, "partitions", 0, INTEGER, "N", "0", 0, 64, NULL, COMMANDS_SCENE,                                     \
-      "sectors along the observer line; 0: 1 for one worker, else 2 a worker")                                         \
+      "hybrid, roam-parallel: sectors along the observer line; 0: 1 for one worker, else 2 a worker")                  \
     X(BOUND, "bound", 0, CHOICE, NULL, "published", 0, 0, CHOICES_BOUND, COMMANDS_SCENE,                               \
       "which error is kept: the method's own, or tau at every sample at the image's centre, or its corners")           \
     X(TILE_SIDE, "tile-side", 0, CHOICE, NULL, "33", 0, 0, CHOICES_TILE_SIDE, COMMANDS_SCENE,                          \
       "samples a tile side of geomipmap and geomipmap-ye")                                                             \
+    X(UNIT, "unit", 0, LENGTH, "LENGTH", "1", 1e-6, 1e6, NULL, COMMANDS_SCENE,                                         \
+      "geomipmap-ye: the unit of length whose square its level rule takes")                                            \
     X(COMPUTE, "compute", 0, CHOICE, NULL, "auto", 0, 0, CHOICES_COMPUTE, COMMANDS_PICTURE,                            \
       "where diamond works; auto: on the GPU, but not with a software renderer")                                       \
     X(COMPARE, "compare", 0, CHOICE, NULL, NULL, 0, 0, CHOICES_METHOD, COMMANDS_PICTURE,                               \

@@ -93,7 +93,7 @@ static void test_de_boer_s_level_is_the_coarsest_whose_distance_is_reached(void 
     Vec3d eye = support_eye(g.terrain, 90.0, 120.0, 400.0);
     // n = 1, t = tan 30 degrees, v = 800 lines, tau = 1.5
     double t = tan(30.0 * acos(-1.0) / 180.0), constant = 800.0 / (2.0 * t * 1.5);
-    geomip_levels_choose(&g.tiles, (GeomipRule){false, false}, eye, 800.0 / (2.0 * t), 1.5, g.jobs, &levels);
+    geomip_levels_choose(&g.tiles, (GeomipRule){false, false, 1.0}, eye, 800.0 / (2.0 * t), 1.5, g.jobs, &levels);
     int seen[GEOMIP_LEVELS_MAX] = {0};
     for (int32_t i = 0; i < g.tiles.squares.count; i++) {
         const GeomipTile *tile = &g.tiles.tiles[i];
@@ -119,7 +119,7 @@ static void test_ye_s_level_and_morph_follow_the_square_of_the_ground_distance(v
     Vec3d eye = support_eye(g.terrain, 90.0, 120.0, 3000.0), ground = support_eye(g.terrain, 90.0, 120.0, 0.0);
     Vec3d up = vec3d_normalize(vec3d_sub(eye, ground));
     double share = 2.0 / 692.8; // tau / px_per_rad
-    geomip_levels_choose(&g.tiles, (GeomipRule){true, false}, eye, 692.8, 2.0, g.jobs, &levels);
+    geomip_levels_choose(&g.tiles, (GeomipRule){true, false, 1.0}, eye, 692.8, 2.0, g.jobs, &levels);
     int between = 0;
     for (int32_t i = 0; i < g.tiles.squares.count; i++) {
         Vec3d to = vec3d_sub(g.tiles.tiles[i].centre_ecef, eye);

@@ -123,7 +123,7 @@ static void walk(bool bounds, double above_m, double tau_px) {
     Vec3d begin = support_eye(g->terrain, 20.0, 55.0, above_m), end = support_eye(g->terrain, 120.0, 80.0, above_m);
     for (int step = 0; step < STEPS; step++) {
         Vec3d eye = vec3d_mad(begin, vec3d_sub(end, begin), (double)step / STEPS);
-        geomip_levels_choose(&g->tiles, (GeomipRule){true, bounds}, eye, 692.8, tau_px, g->jobs, &w.levels);
+        geomip_levels_choose(&g->tiles, (GeomipRule){true, bounds, 1.0}, eye, 692.8, tau_px, g->jobs, &w.levels);
         GeomipDrawn d = geomip_support_draw(g, w.levels.drawn, GEOMIP_FANNED);
         rasterise(&d.cut, WIDTH, w.surfaces[step % 2]);
         geomip_support_draw_end(&d);

@@ -226,8 +226,9 @@ static void print_text(Bench *bench) {
     const Totals *t = &bench->totals;
     double n = t->frames, *ms = bench->update_ms;
     statistics_sort(ms, t->frames);
-    printf("%s, tau %g px (%g reached), %d frames at %g m/s, %d threads\n", options_text(bench->options, OPTION_METHOD),
-           options_number(bench->options, OPTION_TAU), bench->reached_px, t->frames, bench->flight.speed_m_s,
+    printf("%s, tau %g px (%g %s), %d frames at %g m/s, %d threads\n", options_text(bench->options, OPTION_METHOD),
+           options_number(bench->options, OPTION_TAU), bench->reached_px,
+           bench->promised ? "held" : "asked for, none promised", t->frames, bench->flight.speed_m_s,
            jobs_worker_count(bench->world.jobs));
     printf("loaded           in %.0f ms, %.2f bytes a sample\n", bench->load_ms,
            (double)terrain_sample_bytes(bench->world.terrain) / samples(bench));

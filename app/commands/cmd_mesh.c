@@ -77,8 +77,8 @@ static void warn_of_budget(const MeshRun *run) {
                  " triangles; that one is taken",
                  options_integer(run->options, OPTION_MAX_TRIANGLES), run->cut.stats.triangles);
     else
-        log_warn("the triangle budget was reached: %.3g px hold instead of %.3g; raise --max-triangles or --tau",
-                 run->cut.reached_px, run->cut.view.tau_px);
+        log_warn("the triangle budget was reached: %.3g px %s instead of %.3g; raise --max-triangles or --tau",
+                 run->cut.reached_px, run->cut.promises ? "hold" : "are asked for", run->cut.view.tau_px);
 }
 
 // A reached budget leaves a valid cut; its error is in the report.
@@ -179,7 +179,8 @@ static void print_method(const MeshRun *run) {
     else if (is_smallest(run))
         printf("tau %g px, not reached: the smallest mesh\n", cut->view.tau_px);
     else
-        printf("tau %g px, reached %g px\n", cut->view.tau_px, cut->reached_px);
+        printf(cut->promises ? "tau %g px, %g px hold\n" : "tau %g px, %g px asked for, none promised\n",
+               cut->view.tau_px, cut->reached_px);
     if (run->lod_options.method == LOD_DIAMOND)
         printf("split       %" PRId64 " diamonds chosen, %" PRId64 " with those they need\n", cut->stats.chosen,
                cut->stats.closed);

@@ -1,4 +1,5 @@
 // `overfly reproduce PAPER`: the experiment of a paper, its figures beside ours.
+#define _DEFAULT_SOURCE // getloadavg
 #define _POSIX_C_SOURCE 200809L
 #include "app/bench/bench.h"
 #include "app/commands/command.h"
@@ -8,7 +9,11 @@
 #include "base/clock.h"
 #include "base/log.h"
 
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
+
+#define BUSY_SHARE 0.4 // of the processors
 
 typedef struct Experiment {
     const char *name;
@@ -102,12 +107,24 @@ static void close_run(Reproduce *run) {
     site_close(&run->site);
 }
 
+// A machine that does other work gives two threads little more than one: the tables say so, and so does a warning.
+static double machine_load(void) {
+    double load = 0.0;
+    if (getloadavg(&load, 1) != 1)
+        return NAN;
+    if (load > BUSY_SHARE * bench_machine().processors)
+        log_warn("the machine is busy (load %.1f): times, and above all gains by threads, will be worse than they are",
+                 load);
+    return load;
+}
+
 Result cmd_reproduce(const Options *options) {
     const Experiment *experiment = find_experiment(options);
     Reproduce run = {0};
     if (!experiment)
         return RESULT_USAGE;
     int64_t begin = clock_now_ns();
+    run.report.load = machine_load();
     run.report.paper = experiment->name;
     run.report.title = experiment->paper->title;
     run.report.paper_hardware = experiment->paper->hardware;

@@ -9,6 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define CELL_BYTES 96
+
 static const char *const GROUP_NAMES[REPORT_GROUP_COUNT] = {"", "paper", "ours"};
 
 ReportCell report_number(double value) {
@@ -65,35 +67,76 @@ static const ReportCell *cell_at(const ReportTable *table, int row, int column) 
     return &table->cells[row * table->column_count + column];
 }
 
-static void write_cell(const ReportCell *cell, int decimals, FILE *to) {
+typedef struct Width {
+    int chars;  // of the widest cell
+    bool shown; // some row has something
+    bool text;
+} Width;
+
+static int format_cell(const ReportCell *cell, int decimals, char *out, size_t size) {
     if (cell->kind == REPORT_NUMBER)
-        fprintf(to, " %.*f |", decimals, cell->number);
-    else
-        fprintf(to, " %s |", cell->kind == REPORT_TEXT ? cell->text : "-");
+        return snprintf(out, size, "%.*f", decimals, cell->number);
+    return snprintf(out, size, "%s", cell->kind == REPORT_TEXT ? cell->text : "-");
 }
 
-static void write_header(const ReportTable *table, FILE *to) {
-    fputc('|', to);
-    for (int i = 0; i < table->column_count; i++) {
-        const ReportColumn *column = &table->columns[i];
-        bool key = column->group == REPORT_KEY;
-        fprintf(to, " %s%s%s |", GROUP_NAMES[column->group], key ? "" : ": ", column->title);
+static int format_title(const ReportColumn *column, char *out, size_t size) {
+    bool key = column->group == REPORT_KEY;
+    return snprintf(out, size, "%s%s%s", GROUP_NAMES[column->group], key ? "" : ": ", column->title);
+}
+
+static Width width_of(const ReportTable *table, int column) {
+    char text[CELL_BYTES];
+    Width width = {.chars = format_title(&table->columns[column], text, sizeof text)};
+    for (int row = 0; row < table->row_count; row++) {
+        const ReportCell *cell = cell_at(table, row, column);
+        int chars = format_cell(cell, table->columns[column].decimals, text, sizeof text);
+        width.chars = chars > width.chars ? chars : width.chars;
+        width.shown = width.shown || cell->kind != REPORT_NONE;
+        width.text = width.text || cell->kind == REPORT_TEXT;
     }
-    fputs("\n|", to);
-    for (int i = 0; i < table->column_count; i++)
-        fputs(table->row_count && cell_at(table, 0, i)->kind == REPORT_TEXT ? "---|" : "---:|", to);
-    fputc('\n', to);
+    return width;
+}
+
+static void write_padded(const char *text, Width width, FILE *to) {
+    fprintf(to, width.text ? " %-*s |" : " %*s |", width.chars, text);
+}
+
+static void write_rule(Width width, FILE *to) {
+    for (int i = 0; i < width.chars + 1; i++)
+        fputc('-', to);
+    fputs(width.text ? "-|" : ":|", to);
+}
+
+// Columns without a figure in any row are left out.
+static void write_rows(const ReportTable *table, const Width *widths, FILE *to) {
+    char text[CELL_BYTES];
+    for (int row = 0; row < table->row_count; row++) {
+        fputc('|', to);
+        for (int i = 0; i < table->column_count; i++) {
+            format_cell(cell_at(table, row, i), table->columns[i].decimals, text, sizeof text);
+            if (widths[i].shown)
+                write_padded(text, widths[i], to);
+        }
+        fputc('\n', to);
+    }
 }
 
 static void write_table(const ReportTable *table, FILE *to) {
-    fprintf(to, "\n### %s\n\nThe paper's figures: %s.\n\n", table->name, table->source);
-    write_header(table, to);
-    for (int row = 0; row < table->row_count; row++) {
-        fputc('|', to);
-        for (int i = 0; i < table->column_count; i++)
-            write_cell(cell_at(table, row, i), table->columns[i].decimals, to);
-        fputc('\n', to);
+    char title[CELL_BYTES];
+    Width widths[REPORT_COLUMNS_MAX];
+    fprintf(to, "\n### %s\n\nThe paper's figures: %s.\n\n|", table->name, table->source);
+    for (int i = 0; i < table->column_count; i++) {
+        widths[i] = width_of(table, i);
+        format_title(&table->columns[i], title, sizeof title);
+        if (widths[i].shown)
+            write_padded(title, widths[i], to);
     }
+    fputs("\n|", to);
+    for (int i = 0; i < table->column_count; i++)
+        if (widths[i].shown)
+            write_rule(widths[i], to);
+    fputc('\n', to);
+    write_rows(table, widths, to);
 }
 
 static void write_notes(const ReportNotes *notes, const char *before, FILE *to) {
@@ -105,10 +148,12 @@ void report_write_text(const Report *report, FILE *to) {
     BenchMachine machine = bench_machine();
     fprintf(to, "## %s%s\n\n", report->title, report->quick ? " (quick)" : "");
     fprintf(to, "- The paper's machine: %s.\n", report->paper_hardware);
-    fprintf(to, "- Ours: %s, %d processors, up to %d threads used; %s; compiler %s%s; measured in %.0f s.\n",
+    fprintf(to,
+            "- Ours: %s, %d processors, up to %d threads used; %s; compiler %s%s; measured in %.0f s, the machine's "
+            "load %.1f before.\n",
             machine.processor, machine.processors, report->threads,
             report->renderer[0] ? report->renderer : "nothing drawn", machine.compiler,
-            machine.optimized ? "" : ", not optimized", report->wall_s);
+            machine.optimized ? "" : ", not optimized", report->wall_s, report->load);
     write_notes(&report->set_up, "", to);
     write_notes(&report->left_out, "Left out: ", to);
     for (int i = 0; i < report->table_count; i++)
@@ -187,6 +232,7 @@ static void add_hardware(Json *json, const Report *report) {
     Json *ours = json_add_object(hardware, "ours");
     bench_add_machine(ours);
     json_add_integer(ours, "threads", report->threads);
+    json_add_number(ours, "load_average", report->load);
     json_add_text(ours, "renderer", report->renderer[0] ? report->renderer : NULL);
 }
 

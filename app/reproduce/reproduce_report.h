@@ -7,6 +7,7 @@
 #include <stdio.h>
 
 #define REPORT_TABLES_MAX 8
+#define REPORT_COLUMNS_MAX 40
 #define REPORT_NOTES_MAX 24
 #define REPORT_NOTE_BYTES 320
 #define REPORT_TEXT_BYTES 48
@@ -56,7 +57,7 @@ typedef struct Report {
     char renderer[160]; // ""; nothing was drawn
     int threads;
     bool quick;
-    double wall_s;
+    double wall_s, load; // the load average of the minute before
     ReportNotes set_up;   // what ours was run on
     ReportNotes left_out; // of the full experiment
     ReportTable tables[REPORT_TABLES_MAX];

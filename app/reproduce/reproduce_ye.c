@@ -25,6 +25,7 @@ enum {
     COL_SIDE,
     COL_METHOD,
     COL_BOUND,
+    COL_UNIT,
     COL_PAPER_TRIANGLES,
     COL_PAPER_FPS,
     COL_TAU,
@@ -45,6 +46,7 @@ static const ReportColumn COLUMNS[COL_COUNT] = {
     [COL_SIDE] = {REPORT_KEY, "size", "side", 0},
     [COL_METHOD] = {REPORT_KEY, "method", "method", 0},
     [COL_BOUND] = {REPORT_KEY, "bound", "bound", 0},
+    [COL_UNIT] = {REPORT_KEY, "unit_m", "unit, m", 1},
     [COL_PAPER_TRIANGLES] = {REPORT_PAPER, "triangles", "triangles", 0},
     [COL_PAPER_FPS] = {REPORT_PAPER, "fps", "frames/s", 0},
     [COL_TAU] = {REPORT_OURS, "tau_px", "tau, px", 3},
@@ -69,11 +71,13 @@ typedef struct Entry {
     LodMethod method;
     LodBound bound;
     int64_t max_triangles; // 0: without limit
+    bool unit_is_spacing;  // Ye's rule in units of the samples' spacing, not in metres
 } Entry;
 static const Entry ENTRIES[] = {
-    {LOD_GEOMIPMAP, LOD_BOUND_PUBLISHED, 0},         {LOD_GEOMIPMAP_YE, LOD_BOUND_PUBLISHED, 0},
-    {LOD_ROAM, LOD_BOUND_PUBLISHED, ROAM_TRIANGLES}, {LOD_GEOMIPMAP, LOD_BOUND_CENTRE, 0},
-    {LOD_GEOMIPMAP_YE, LOD_BOUND_CENTRE, 0},         {LOD_HYBRID, LOD_BOUND_PUBLISHED, 0},
+    {LOD_GEOMIPMAP, LOD_BOUND_PUBLISHED, 0, false},   {LOD_GEOMIPMAP_YE, LOD_BOUND_PUBLISHED, 0, false},
+    {LOD_GEOMIPMAP_YE, LOD_BOUND_PUBLISHED, 0, true}, {LOD_ROAM, LOD_BOUND_PUBLISHED, ROAM_TRIANGLES, false},
+    {LOD_GEOMIPMAP, LOD_BOUND_CENTRE, 0, false},      {LOD_GEOMIPMAP_YE, LOD_BOUND_CENTRE, 0, false},
+    {LOD_HYBRID, LOD_BOUND_PUBLISHED, 0, false},
 };
 #define ENTRY_COUNT ((int)COUNT_OF(ENTRIES))
 
@@ -85,8 +89,19 @@ typedef struct Flight {
     double tau_px;
 } Flight;
 
-static LodOptions entry_options(const Entry *entry) {
+// Between neighbours in the middle of the grid, the mean of both directions.
+static double spacing_m(const Terrain *terrain) {
+    const Grid *grid = terrain_grid(terrain);
+    int middle = terrain_dem(terrain)->width / 2;
+    Vec3d at = grid_ecef(grid, middle, middle, 0.0);
+    double across = vec3d_distance(at, grid_ecef(grid, middle + 1, middle, 0.0));
+    return 0.5 * (across + vec3d_distance(at, grid_ecef(grid, middle, middle + 1, 0.0)));
+}
+
+static LodOptions entry_options(const Flight *flight, const Entry *entry) {
     LodOptions options = reproduce_lod_options(entry->method);
+    if (entry->unit_is_spacing)
+        options.unit_m = spacing_m(flight->circuit.terrain);
     options.bound = entry->bound;
     options.tile_side = TILE_SIDE;
     if (entry->max_triangles)
@@ -96,7 +111,7 @@ static LodOptions entry_options(const Entry *entry) {
 
 static Result find_tau(Flight *flight) {
     Search search;
-    LodOptions options = entry_options(&ENTRIES[0]);
+    LodOptions options = entry_options(flight, &ENTRIES[0]);
     double span = flight->frames * SPEED_M_S / REPRODUCE_FRAME_HZ / flight->circuit.length_m;
     Result result =
         search_begin(&flight->circuit, &options, flight->run->all, reproduce_px_per_rad(HEIGHT), span, PROBES, &search);
@@ -120,7 +135,8 @@ static void set_racer(ReportCell *row, const Flight *flight, const Race *race, i
     row[COL_MAX] = report_number(racer->max_px);
     row[COL_P999] = report_number(racer->p999_px);
     row[COL_RMS] = report_number(sqrt(racer->squares_px / racer->measures));
-    row[COL_REACHED] = racer->cut.promises ? report_number(racer->reached_px) : report_text("nothing");
+    if (racer->cut.promises)
+        row[COL_REACHED] = report_number(racer->reached_px);
 }
 
 static Result add_rows(const Flight *flight, const Race *race, ReportTable *table) {
@@ -135,6 +151,8 @@ static Result add_rows(const Flight *flight, const Race *race, ReportTable *tabl
         row[COL_SIDE] = report_number(flight->side);
         row[COL_METHOD] = report_text(method);
         row[COL_BOUND] = report_text(ENTRIES[i].bound == LOD_BOUND_PUBLISHED ? "published" : "centre");
+        if (ENTRIES[i].method == LOD_GEOMIPMAP_YE && ENTRIES[i].bound == LOD_BOUND_PUBLISHED)
+            row[COL_UNIT] = report_number(race->racers[i].options.unit_m);
         if (figures) {
             row[COL_PAPER_TRIANGLES] = report_number(figures->triangles);
             row[COL_PAPER_FPS] = report_number(figures->fps);
@@ -147,7 +165,7 @@ static Result add_rows(const Flight *flight, const Race *race, ReportTable *tabl
 static Result enter_racers(const Flight *flight, Race *race) {
     Result result = RESULT_OK;
     for (int i = 0; i < ENTRY_COUNT && result == RESULT_OK; i++) {
-        LodOptions options = entry_options(&ENTRIES[i]);
+        LodOptions options = entry_options(flight, &ENTRIES[i]);
         result = race_enter(race, &options, flight->run->all);
     }
     return result;
@@ -214,6 +232,10 @@ Result reproduce_ye(Reproduce *run) {
                 "True errors over all samples of %d frames: the greatest, the greatest p99.9, the root of the mean "
                 "square; with the bound 'centre' the tolerance holds at every sample",
                 flight.measures);
+    report_note(
+        &run->report.set_up,
+        "The rule of Ye and Wang compares a length with a length's square, so that it depends on the unit, which "
+        "they do not name: in metres, and in units of the samples' spacing");
     if (run->quick)
         report_note(&run->report.left_out, "%d of %d measurements of the true error", MEASURES - QUICK_MEASURES,
                     MEASURES);

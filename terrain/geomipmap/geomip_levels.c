@@ -49,7 +49,7 @@ static double allowed_m(const Choosing *c, const GeomipTile *tile) {
     if (c->rule.bounds)
         return c->m_per_m * box_distance(c, tile);
     double d2 = centre_distance2(c, tile);
-    return c->rule.ye ? c->m_per_m * c->m_per_m * d2 : c->m_per_m * sqrt(d2);
+    return c->rule.ye ? c->m_per_m * c->m_per_m * d2 / c->rule.unit_m : c->m_per_m * sqrt(d2);
 }
 
 // ---- levels ----

@@ -37,6 +37,7 @@ LodOptions lod_default_options(void) {
                         .page_bytes_max = (size_t)256 << 20,
                         .reuse = true,
                         .bound = LOD_BOUND_PUBLISHED,
+                        .unit_m = 1.0,
                         .tile_side = 33};
 }
 
@@ -48,6 +49,10 @@ static Result check_options(const LodOptions *options) {
                   "partitions, and a triangle or more",
                   (int)options->method, options->partitions, (long long)options->max_triangles, LOD_METHOD_COUNT,
                   LOD_PARTITIONS_MAX);
+        return RESULT_RANGE;
+    }
+    if (!isfinite(options->unit_m) || options->unit_m <= 0.0) {
+        log_error("level of detail: a unit of %g m: give a positive one", options->unit_m);
         return RESULT_RANGE;
     }
     if (cells < 2 || cells > 128 || (cells & (cells - 1)) != 0) {

@@ -46,6 +46,7 @@ typedef struct LodOptions {
     bool reuse;            // false: every patch is triangulated anew each frame; roam: the mesh is built anew
     uint32_t serial;       // 0 .. 2^24 - 1; Lods drawn by one renderer have different ones, and so have their pages
     LodBound bound;
+    double unit_m;               // geomipmap-ye: the unit of length whose square its rule takes, > 0
     int tile_side;               // of the geomipmap methods, samples: 2^n + 1, 3 .. 129
     bool resident;               // diamond: leave the triangles to the renderer's compute shaders
     const DiamondSelect *select; // diamond: what splits besides the view's tolerance; NULL: the tolerance. Borrowed

@@ -275,7 +275,7 @@ static Result create(const LodOptions *options, const Terrain *terrain, bool ye,
     if (!g)
         return RESULT_MEMORY;
     g->options = *options;
-    g->rule = (GeomipRule){ye, options->bound == LOD_BOUND_CENTRE};
+    g->rule = (GeomipRule){ye, options->bound == LOD_BOUND_CENTRE, options->unit_m};
     g->border = ye ? GEOMIP_FANNED : GEOMIP_OMITTED;
     g->next_revision = g->pages.next_id = lod_first_id(options);
     result = jobs_create(0, &jobs);
