@@ -88,18 +88,23 @@ static void count_work(Roam *roam, const RoamRefiner *refiner, LodStats *stats) 
     stats->partitions = 1;
 }
 
+static Result draw(Roam *roam, const LodCall *call, LodCut *cut) {
+    roam->is_full = cut->reached_px > call->view->tau_px;
+    draw_changed(roam);
+    return roam_ground_finish(&roam->ground, call, cut);
+}
+
 static Result roam_update(void *state, const LodCall *call, LodCut *cut) {
     Roam *roam = state;
     double tau = call->view->tau_px;
     int64_t begin = clock_now_ns();
     RoamRefiner refiner = {.mesh = &roam->mesh, .field = &roam->ground.field, .view = refine_view(call->view, tau)};
     roam->mesh.splits = roam->mesh.forced_splits = roam->mesh.merges = 0;
-    roam->holds = refine(roam, &refiner, call->view, &cut->reached_px) == ROAM_DONE;
+    bool refined = refine(roam, &refiner, call->view, &cut->reached_px) == ROAM_DONE;
+    Result result = refined ? draw(roam, call, cut) : RESULT_MEMORY;
+    roam->holds = result == RESULT_OK; // else some squares were not drawn as they are: the next frame begins anew
     if (!roam->holds)
-        return RESULT_MEMORY;
-    roam->is_full = cut->reached_px > tau;
-    draw_changed(roam);
-    Result result = roam_ground_finish(&roam->ground, call, cut);
+        roam_ground_abandon(&roam->ground);
     cut->stats.refine_ns = clock_now_ns() - begin;
     count_work(roam, &refiner, &cut->stats);
     return result == RESULT_OK && roam->is_full ? RESULT_BUDGET : result;

@@ -133,7 +133,7 @@ static Result refine_at(void *user, double tau_px, LodStats *stats) {
     *stats = (LodStats){0};
     u->view = refine_view(u->call->view, tau_px);
     u->triangles_max = ROAM_TRIANGLES_MAX;
-    if (tau_px <= BUDGET_COARSEST_PX && u->roam->ground.options.max_triangles < ROAM_TRIANGLES_MAX)
+    if (budget_may_give_up(&u->roam->budget, tau_px) && u->roam->ground.options.max_triangles < ROAM_TRIANGLES_MAX)
         u->triangles_max = (int32_t)u->roam->ground.options.max_triangles;
     atomic_store_explicit(&u->triangles, 0, memory_order_relaxed);
     jobs_run(u->call->jobs, u->partitions, 1, refine_parts, u);
@@ -156,15 +156,20 @@ static Result parallel_update(void *state, const LodCall *call, LodCut *cut) {
     int64_t divided = clock_now_ns();
     if (result == RESULT_OK)
         result = budget_refine(&roam->budget, refine_at, &update, cut);
-    if (result != RESULT_OK && result != RESULT_BUDGET)
+    if (result == RESULT_OK || result == RESULT_BUDGET) {
+        cut->stats.triangles = 0; // the items tell
+        Result finished = roam_ground_finish(&roam->ground, call, cut);
+        result = finished == RESULT_OK ? result : finished;
+    }
+    if (result != RESULT_OK && result != RESULT_BUDGET) { // the squares' next partitions have other pools
+        roam_ground_abandon(&roam->ground);
         return result;
-    cut->stats.triangles = 0; // the items tell
-    Result finished = roam_ground_finish(&roam->ground, call, cut);
+    }
     cut->stats.cut_vertices = roam_seams_count(&roam->seams, roam->ground.drawn);
     cut->stats.select_ns = divided - begin;
     cut->stats.refine_ns = clock_now_ns() - divided;
     roam->work.has_history = true;
-    return finished == RESULT_OK ? result : finished;
+    return result;
 }
 
 static void parallel_release(void *state, uint64_t frame) {

@@ -20,10 +20,8 @@ static Result create_squares(RoamGround *g, int side) {
 
 // Half of the budget is for what the view needs.
 static bool is_too_fine(const RoamGround *g, int side) {
-    GridBounds bounds = grid_bounds(g->terrain->grid, 0, g->terrain->dem->height - 1, 0.0);
-    double cell = fmax(bounds.across_m, bounds.down_m);
     return side < ROAM_SIDE_MAX && 2 * (int64_t)g->base.mesh.leaf_count > g->options.max_triangles &&
-           2.0 * side * cell * GRID_LATTICE_PER_M < (double)INT32_MAX;
+           square_grid_fitting_side(g->terrain, 2 * side) == 2 * side;
 }
 
 static Result fit_squares(RoamGround *g) {
@@ -79,12 +77,26 @@ void roam_ground_draw(RoamGround *ground, const RoamMesh *mesh, int32_t root, in
                       RoamScratch *scratch) {
     RoamDrawn *d = &ground->drawn[square];
     index_list_give_back(&ground->lists, &d->fresh_list); // of a try at a smaller tolerance: nobody read it
+    d->failed = false;
     d->fresh = roam_emit(mesh, root, &ground->grid, scratch);
     if (ground->options.reuse && is_as_before(d, &d->fresh, scratch->indices))
         return;
     d->failed = !index_list_take(&ground->lists, pool, d->fresh.index_count, &d->fresh_list);
     if (!d->failed)
         memcpy(d->fresh_list.indices, scratch->indices, sizeof *scratch->indices * (size_t)d->fresh.index_count);
+}
+
+// A list has one owner at any time, so that whatever fails later, nothing is retired or given back twice.
+static Result adopt_one(RoamGround *g, RoamDrawn *d, const LodCall *call) {
+    Result result = index_list_retire(&g->lists, &d->list, call->number - 1);
+    if (result != RESULT_OK)
+        return result;
+    d->list = d->fresh_list;
+    d->shape = d->fresh;
+    d->fresh_list = (IndexList){0};
+    d->revision = ++g->next_revision;
+    d->rebuilt = true;
+    return RESULT_OK;
 }
 
 // The new lists take the old ones' places, in the order of the squares.
@@ -95,12 +107,9 @@ static Result adopt(RoamGround *g, const LodCall *call, LodStats *stats) {
             return RESULT_MEMORY;
         if (!d->fresh_list.indices)
             continue;
-        Result result = index_list_retire(&g->lists, &d->list, call->number - 1);
+        Result result = adopt_one(g, d, call);
         if (result != RESULT_OK)
             return result;
-        d->list = d->fresh_list;
-        d->shape = d->fresh;
-        d->revision = ++g->next_revision;
         stats->triangles_rebuilt += d->list.index_count / 3;
         stats->index_bytes += (int64_t)sizeof(uint16_t) * d->list.index_count;
     }
@@ -149,7 +158,7 @@ static LodItem item_of(const RoamGround *g, int32_t square) {
         .indices = d->list.indices,
         .index_count = d->list.index_count,
         .level = (uint8_t)d->shape.level,
-        .state = d->fresh_list.indices ? LOD_ITEM_REBUILT : LOD_ITEM_REUSED,
+        .state = d->rebuilt ? LOD_ITEM_REBUILT : LOD_ITEM_REUSED,
         .partition = d->partition,
         .centre_ecef = page->centre_ecef,
         .radius_m = page->radius_m,
@@ -159,7 +168,7 @@ static LodItem item_of(const RoamGround *g, int32_t square) {
 static void count_item(const RoamDrawn *d, LodStats *stats) {
     stats->triangles += d->list.index_count / 3;
     stats->vertices += d->shape.vertex_count;
-    stats->patches_reused += !d->fresh_list.indices;
+    stats->patches_reused += !d->rebuilt;
 }
 
 // Vertices of squares that are drawn coarser than they are known.
@@ -188,7 +197,7 @@ Result roam_ground_finish(RoamGround *ground, const LodCall *call, LodCut *cut) 
     for (int32_t i = 0; i < count; i++) {
         items[i] = item_of(ground, i);
         count_item(&ground->drawn[i], &cut->stats);
-        ground->drawn[i].fresh_list = (IndexList){0}; // it is the square's list now
+        ground->drawn[i].rebuilt = false; // it is told
     }
     cut->stats.patches = count;
     cut->items = items;
@@ -197,4 +206,11 @@ Result roam_ground_finish(RoamGround *ground, const LodCall *call, LodCut *cut) 
     square_page_evict(&ground->pages, call->released, ground->options.page_bytes_max);
     drop_unused(ground);
     return RESULT_OK;
+}
+
+void roam_ground_abandon(RoamGround *ground) {
+    for (int32_t i = 0; i < ground->grid.count; i++) {
+        index_list_give_back(&ground->lists, &ground->drawn[i].fresh_list);
+        ground->drawn[i].failed = false;
+    }
 }

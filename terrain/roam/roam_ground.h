@@ -16,9 +16,10 @@ typedef struct RoamDrawn {
     IndexList list;
     uint64_t revision;
     RoamEmitted shape;
-    IndexList fresh_list; // NULL indices: as before
+    IndexList fresh_list; // drawn, but not adopted yet; NULL indices: as before
     RoamEmitted fresh;
-    bool failed;
+    bool failed;  // no memory for the list
+    bool rebuilt; // the list is not the one of the last cut
     uint16_t partition;
 } RoamDrawn;
 
@@ -44,5 +45,8 @@ void roam_ground_release(RoamGround *ground, uint64_t frame);
 void roam_ground_draw(RoamGround *ground, const RoamMesh *mesh, int32_t root, int32_t square, int pool,
                       RoamScratch *scratch);
 
-// After all squares that changed were drawn: pages, items and statistics of the cut. MEMORY.
+// After all squares that changed were drawn: pages, items and statistics of the cut. MEMORY: the frame is to be
+// abandoned.
 MUST_USE Result roam_ground_finish(RoamGround *ground, const LodCall *call, LodCut *cut);
+// Of a frame that failed, wherever it did: gives back what was drawn. All squares are to be drawn for the next cut.
+void roam_ground_abandon(RoamGround *ground);
