@@ -7,6 +7,7 @@
 // tolerance is raised.
 #include "terrain/diamond/diamond.h"
 #include "terrain/diamond/diamond_squares.h"
+#include "terrain/lod/budget.h"
 #include "terrain/lod/lod_method.h"
 #include "terrain/patches/index_list.h"
 #include "terrain/squares/square_page.h"
@@ -18,14 +19,6 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
-
-// Above the budget the tolerance grows by this; it shrinks again when the count is well below.
-#define RAISE 1.25
-#define RAISE_FAST 4.0 // far above it
-#define FAR_ABOVE 8
-#define LOWER 1.1
-#define LOWER_BELOW 0.7
-#define COARSEST_PX 1e12 // here only what is always split is
 
 typedef struct Square { // what is kept of a square between frames
     SquarePage *page;
@@ -47,7 +40,7 @@ typedef struct Diamonds {
     bool has_before;
     IndexStore lists; // a pool a worker
     uint64_t next_revision;
-    double raised_px; // the tolerance that the budget forced in the last frame; 0: none
+    Budget budget;
 } Diamonds;
 
 static void diamonds_release(void *state, uint64_t frame) {
@@ -57,18 +50,9 @@ static void diamonds_release(void *state, uint64_t frame) {
 
 // ---- the model ----
 
-// Offsets within a page have 32 bits of the lattice.
-static int fitting_side(const Terrain *terrain) {
-    GridBounds bounds = grid_bounds(terrain->grid, 0, terrain->dem->height - 1, 0.0);
-    double cell_m = fmax(bounds.across_m, bounds.down_m);
-    int side = DIAMOND_SQUARE_SIDE;
-    while (side > 2 && 2.0 * side * cell_m * GRID_LATTICE_PER_M > (double)INT32_MAX)
-        side /= 2;
-    return side;
-}
-
 static Result create_squares(Diamonds *d) {
-    Result result = square_grid_create(&d->terrain->forest, fitting_side(d->terrain), &d->grid);
+    Result result =
+        square_grid_create(&d->terrain->forest, square_grid_fitting_side(d->terrain, DIAMOND_SQUARE_SIDE), &d->grid);
     if (result != RESULT_OK)
         return result;
     result = diamond_squares_create(&d->model.layout, &d->grid, &d->squares);
@@ -162,20 +146,9 @@ static Result split_selection(Update *u, LodCut *cut) {
     return RESULT_RANGE;
 }
 
-// At the tolerance asked for, or, above the budget, at the smallest tried one that keeps it.
-static Result split_within_budget(Update *u, LodCut *cut) {
-    Diamonds *d = u->d;
-    int64_t most = d->options.max_triangles;
-    double asked = u->call->view->tau_px, tau = asked > d->raised_px ? asked : d->raised_px;
-    split_at(u, tau, &cut->stats);
-    while (cut->stats.triangles > most && tau <= COARSEST_PX) {
-        tau *= cut->stats.triangles > FAR_ABOVE * most ? RAISE_FAST : RAISE;
-        split_at(u, tau, &cut->stats);
-    }
-    cut->reached_px = tau;
-    bool over = tau > asked, roomy = (double)cut->stats.triangles < LOWER_BELOW * (double)most;
-    d->raised_px = over ? roomy ? tau / LOWER : tau : 0.0;
-    return over ? RESULT_BUDGET : RESULT_OK;
+static Result refine_at(void *user, double tau_px, LodStats *stats) {
+    split_at(user, tau_px, stats);
+    return RESULT_OK;
 }
 
 // ---- triangles ----
@@ -293,7 +266,7 @@ static bool allocate_update(Update *u) {
 // Memory that ran out leaves lists behind that are no frame's: nothing is taken as kept in the next one.
 static Result refine(Update *u, LodCut *cut) {
     Diamonds *d = u->d;
-    Result split = d->options.select ? split_selection(u, cut) : split_within_budget(u, cut);
+    Result split = d->options.select ? split_selection(u, cut) : budget_refine(&d->budget, refine_at, u, cut);
     if (split != RESULT_OK && split != RESULT_BUDGET)
         return split;
     int64_t begin = clock_now_ns();
@@ -334,6 +307,7 @@ static Result diamonds_create(const LodOptions *options, const Terrain *terrain,
     if (!d)
         return RESULT_MEMORY;
     d->options = *options;
+    d->budget.max_triangles = options->max_triangles;
     d->terrain = terrain;
     d->next_revision = lod_first_id(options);
     Result result = jobs_create(0, &jobs);

@@ -3,6 +3,7 @@
 // made anew when its level or a neighbour's changes, with Ye's method its morph as well, by the pool; else it is kept.
 // docs/geomipmap.md says where they differ from their papers.
 #include "terrain/geomipmap/geomip_page.h"
+#include "terrain/lod/budget.h"
 #include "terrain/lod/lod_method.h"
 #include "terrain/patches/index_list.h"
 #include "terrain/squares/square_page.h"
@@ -13,13 +14,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-
-// Above the budget the tolerance grows by one of these.
-#define RAISE 1.19
-#define RAISE_FAST 2.0
-#define FAR_ABOVE 6 // times the budget
-// Here only a tile that the eye is in, or above the middle of, is not at its coarsest.
-#define COARSEST_PX 1e12
 
 typedef struct Node { // what is kept of a tile between frames
     IndexList list;
@@ -54,18 +48,27 @@ typedef struct Update {
 
 // ---- levels within the budget ----
 
+typedef struct Choosing {
+    Geomip *g;
+    const LodCall *call;
+} Choosing;
+
+static Result choose_at(void *user, double tau_px, LodStats *stats) {
+    const Choosing *choosing = user;
+    Geomip *g = choosing->g;
+    const LodView *view = choosing->call->view;
+    geomip_levels_choose(&g->tiles, g->rule, view->eye_ecef, view->px_per_rad, tau_px, choosing->call->jobs,
+                         &g->levels);
+    stats->vertices_evaluated += g->tiles.squares.count;
+    stats->triangles = g->levels.triangles;
+    return RESULT_OK;
+}
+
+// Levels are chosen soon enough to begin anew in each frame: what is drawn follows from the view alone.
 static Result choose_levels(Geomip *g, const LodCall *call, LodCut *cut) {
-    double tau = call->view->tau_px;
-    for (;;) {
-        geomip_levels_choose(&g->tiles, g->rule, call->view->eye_ecef, call->view->px_per_rad, tau, call->jobs,
-                             &g->levels);
-        cut->stats.vertices_evaluated += g->tiles.squares.count;
-        if (g->levels.triangles <= g->options.max_triangles || g->levels.coarsest || tau > COARSEST_PX)
-            break;
-        tau *= g->levels.triangles / FAR_ABOVE > g->options.max_triangles ? RAISE_FAST : RAISE;
-    }
-    cut->reached_px = tau;
-    return tau > call->view->tau_px ? RESULT_BUDGET : RESULT_OK;
+    Choosing choosing = {g, call};
+    Budget budget = {.max_triangles = g->options.max_triangles};
+    return budget_refine(&budget, choose_at, &choosing, cut);
 }
 
 // ---- what is stale ----
@@ -243,7 +246,8 @@ static void geomip_destroy(void *state) {
 }
 
 static Result allocate(Geomip *g, const Terrain *terrain, Jobs *jobs) {
-    GeomipInput input = {terrain, g->options.tile_side - 1, g->border, g->rule.bounds};
+    int side = square_grid_fitting_side(terrain, g->options.tile_side - 1);
+    GeomipInput input = {terrain, side, g->border, g->rule.bounds};
     Result result = geomip_tiles_create(&input, jobs, &g->tiles);
     if (result != RESULT_OK)
         return result;

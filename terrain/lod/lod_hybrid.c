@@ -91,7 +91,7 @@ static void evict_pages(Hybrid *h, uint64_t released) {
 // Selection (4.1) ---------------------------------------------------------------------------------------------
 
 static int32_t patches_max(const Hybrid *h, double tau_px) {
-    if (tau_px > BUDGET_COARSEST_PX) // it gets no smaller
+    if (!budget_may_give_up(&h->budget, tau_px))
         return INT32_MAX;
     int64_t share = ((int64_t)1 << h->terrain->options.patch_level) / PATCH_SHARE;
     int64_t most = h->options.max_triangles / (share > 1 ? share : 1);

@@ -46,7 +46,7 @@ typedef struct Update {
 // Selection ----------------------------------------------------------------------------------------------------
 
 static int32_t patches_max(const PatchMethod *m, double tau_px) {
-    if (tau_px > BUDGET_COARSEST_PX) // it gets no smaller
+    if (!budget_may_give_up(&m->budget, tau_px))
         return INT32_MAX;
     int64_t most = m->options.max_triangles >> m->terrain->patches.depth;
     most += m->rest.count + 2 * (int64_t)m->terrain->patches.tile_count; // patches of fewer triangles

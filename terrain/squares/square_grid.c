@@ -1,7 +1,9 @@
 #include "terrain/squares/square_grid.h"
 
 #include "base/log.h"
+#include "terrain/terrain_parts.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -93,6 +95,15 @@ void square_grid_destroy(SquareGrid *grid) {
     free(grid->blocks);
     free(grid->cells);
     *grid = (SquareGrid){0};
+}
+
+int square_grid_fitting_side(const Terrain *terrain, int wanted) {
+    GridBounds bounds = grid_bounds(terrain->grid, 0, terrain->dem->height - 1, 0.0);
+    double cell_m = fmax(bounds.across_m, bounds.down_m);
+    int side = wanted;
+    while (side > 2 && 2.0 * side * cell_m * GRID_LATTICE_PER_M > (double)INT32_MAX)
+        side /= 2;
+    return side;
 }
 
 int32_t square_grid_at(const SquareGrid *grid, int col, int row) {

@@ -4,6 +4,7 @@
 #pragma once
 #include "terrain/forest.h"
 #include "terrain/patches/patch_forest.h"
+#include "terrain/terrain.h"
 
 typedef struct SquareGrid {
     int width, height; // samples
@@ -18,6 +19,9 @@ typedef struct SquareGrid {
 // `side_max`: a power of two, 2..128. MEMORY.
 MUST_USE Result square_grid_create(const Forest *forest, int side_max, SquareGrid *out);
 void square_grid_destroy(SquareGrid *grid);
+
+// The greatest side up to `wanted`, a power of two, whose squares' offsets fit 32 bits of the lattice; 2 at least.
+int square_grid_fitting_side(const Terrain *terrain, int wanted);
 
 // The square that holds the cell whose north-west sample is (col, row); -1 outside the DEM.
 int32_t square_grid_at(const SquareGrid *grid, int col, int row);
