@@ -50,7 +50,7 @@ void hud_paint_flight(const HudPainter *painter, const RenderPacket *packet) {
 void hud_paint_divider(const HudPainter *painter, const RenderPacket *packet) {
     const HudLayout *layout = &painter->layout;
     float x = (float)render_left_width((int)layout->width), width = 1.5f * layout->unit;
-    float y = packet->hud.show_flight && !packet->hud.show_help ? layout->heading.y1 : 0.0f;
+    float y = packet->hud.show_flight ? layout->heading.y1 : 0.0f;
     CanvasColour colour = hud_faded(HUD_INK, 0.8);
     canvas_line(painter->canvas, (CanvasPoint){x, y}, (CanvasPoint){x, layout->height}, width, colour);
 }
@@ -82,13 +82,13 @@ void hud_paint(Canvas *canvas, Text *text, const RenderPacket *packet, const Ren
                           .layout = hud_layout_make(width, height, wants_panels(packet)),
                           .view = hud_view_make(&packet->camera, width, height)};
     canvas_begin(canvas, painter.layout.unit);
-    if (packet->split) {
-        hud_layout_split(&painter.layout);
-        hud_paint_divider(&painter, packet);
-    }
     if (hud->show_help) {
         hud_paint_help(&painter, hud);
         return;
+    }
+    if (packet->split) {
+        hud_layout_split(&painter.layout);
+        hud_paint_divider(&painter, packet);
     }
     if (hud->show_flight)
         hud_paint_flight(&painter, packet);
