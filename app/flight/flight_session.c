@@ -85,11 +85,14 @@ void session_say(FlightSession *session, const char *message) {
 }
 
 void session_hear_changes(FlightSession *session, const MethodChanges *changes, LodMethod shown) {
+    if (changes->fallbacks != session->fallbacks_said)
+        session_say(session, "the GPU has no room for the diamonds: computed on the processor");
+    session->fallbacks_said = changes->fallbacks;
     if (changes->refusals == session->refusals_said)
         return;
     char message[PIPELINE_MESSAGE_BYTES];
     snprintf(message, sizeof message, "%s: %s; flying on with %s", lod_method_name(changes->refused),
-             result_text(changes->refusal), lod_method_name(shown));
+             changes->why[0] ? changes->why : result_text(changes->refusal), lod_method_name(shown));
     session_say(session, message);
     session->refusals_said = changes->refusals;
 }

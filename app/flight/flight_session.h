@@ -22,8 +22,8 @@ typedef struct FlightSession {
     bool screenshot_wanted, leave_wanted; // by a key; the caller takes them back
     Vec3d sun_ecef;                       // unit
     char message[PIPELINE_MESSAGE_BYTES];
-    double message_s;      // left to show
-    int64_t refusals_said; // of MethodChanges
+    double message_s;                      // left to show
+    int64_t refusals_said, fallbacks_said; // of MethodChanges
 } FlightSession;
 
 // The aircraft at the scene's start, or where the terrain looks best; the demo when asked for. Errors of the demo.
@@ -34,7 +34,7 @@ void session_on_key(FlightSession *session, int key, bool pressed, bool shift);
 // Carries out key presses, then flies `passed_s` seconds on in fixed steps.
 void session_advance(FlightSession *session, double passed_s);
 void session_say(FlightSession *session, const char *message);
-// Says when a method could not come, and which one is shown instead.
+// Says when a method could not come, and which one is shown instead; and when the GPU could not work for it.
 void session_hear_changes(FlightSession *session, const MethodChanges *changes, LodMethod shown);
 
 // What to draw now, in a framebuffer of that size. `frame_ms` and `frame_p99_ms` are for the HUD.

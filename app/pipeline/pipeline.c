@@ -36,7 +36,10 @@ struct Pipeline {
 
 static Result begin_methods(Pipeline *p) {
     const PipelineOptions *options = &p->options;
-    const MethodsOptions methods = {options->threaded, options->lod, options->terrain};
+    const MethodsOptions methods = {.threaded = options->threaded,
+                                    .lod = options->lod,
+                                    .bound_brute = options->bound_brute,
+                                    .terrain = options->terrain};
     Result result = methods_create(&methods, &p->methods);
     if (result == RESULT_OK)
         result = methods_begin(p->methods, 0, options->lod.method);
@@ -55,10 +58,14 @@ static void resize(Pipeline *p, const FrameOrder *order) {
     render_resize(p->renderer, order->width, order->height);
 }
 
-static Result draw(Pipeline *p, Packet *packet, RenderStats *stats, Result *picture_failure) {
+// A frame that is refused is not shown.
+static Result draw(Pipeline *p, Packet *packet, RenderStats *stats, bool *refused, Result *picture_failure) {
     const FrameOrder *order = &packet->order;
     resize(p, order);
     Result result = render_frame(p->renderer, &packet->render, stats);
+    *refused = result == RESULT_OK && packet_is_refused(packet, stats);
+    if (*refused)
+        return RESULT_OK;
     if (result == RESULT_OK && order->picture[0])
         *picture_failure = picture_write(p->renderer, order->width, order->height, order->picture);
     context_swap(p->options.context);
@@ -101,21 +108,43 @@ static bool is_idle(const Pipeline *p) {
 
 // Under the lock. Not more than one refined frame waits: more would only show older views.
 static bool can_refine(Pipeline *p) {
-    if (!p->has_waiting || p->failure != RESULT_OK)
+    if (p->failure != RESULT_OK)
         return false;
-    return find_packet(p, PACKET_FREE) && !find_packet(p, PACKET_READY);
+    bool next = p->has_waiting && find_packet(p, PACKET_FREE) && !find_packet(p, PACKET_READY);
+    return next || find_packet(p, PACKET_REFUSED);
+}
+
+// Under the lock: what can_refine has seen.
+static Packet *take_to_refine(Pipeline *p) {
+    Packet *packet = find_packet(p, PACKET_REFUSED);
+    if (packet)
+        return packet;
+    packet = find_packet(p, PACKET_FREE);
+    packet->order = p->waiting;
+    packet->number = p->submitted;
+    p->has_waiting = false;
+    return packet;
+}
+
+// Under the lock: the oldest frame, unless one before it is to be refined again.
+static Packet *find_to_draw(Pipeline *p) {
+    Packet *ready = find_packet(p, PACKET_READY);
+    const Packet *others[] = {find_packet(p, PACKET_REFUSED), find_packet(p, PACKET_REFINING)};
+    for (size_t i = 0; ready && i < COUNT_OF(others); i++)
+        if (others[i] && others[i]->number < ready->number)
+            return NULL;
+    return ready;
 }
 
 // Under the lock, which is open while the work is done.
 static Result refine_next(Pipeline *p) {
-    Packet *packet = find_packet(p, PACKET_FREE);
-    packet->order = p->waiting;
-    packet->number = p->submitted;
-    p->has_waiting = false;
+    Packet *packet = take_to_refine(p);
     set_state(p, packet, PACKET_REFINING);
     pthread_mutex_unlock(&p->lock);
+    Result result = methods_settle(p->methods);
     methods_sweep(p->methods);
-    Result result = packet_refine(packet, p->methods, p->options.jobs);
+    if (result == RESULT_OK)
+        result = packet_refine(packet, p->methods, p->options.jobs);
     pthread_mutex_lock(&p->lock);
     p->counts.stats.changes = methods_changes(p->methods);
     set_state(p, packet, result == RESULT_OK ? PACKET_READY : PACKET_FREE);
@@ -127,14 +156,16 @@ static Result draw_next(Pipeline *p, Packet *packet) {
     set_state(p, packet, PACKET_DRAWING);
     pthread_mutex_unlock(&p->lock);
     RenderStats stats = {0};
+    bool refused = false;
     Result picture_failure = RESULT_OK;
-    Result result = draw(p, packet, &stats, &picture_failure);
+    Result result = draw(p, packet, &stats, &refused, &picture_failure);
     pthread_mutex_lock(&p->lock);
     if (p->counts.stats.picture_failure == RESULT_OK)
         p->counts.stats.picture_failure = picture_failure;
-    count_frame(p, packet, &stats);
+    if (result == RESULT_OK && !refused)
+        count_frame(p, packet, &stats);
     packet_leave(packet);
-    set_state(p, packet, PACKET_FREE);
+    set_state(p, packet, refused ? PACKET_REFUSED : PACKET_FREE);
     return result;
 }
 
@@ -171,7 +202,7 @@ static void *run_drawer(void *user) {
         fail(p, result);
     pthread_cond_broadcast(&p->changed);
     while (!p->leaving && p->failure == RESULT_OK) {
-        Packet *packet = find_packet(p, PACKET_READY);
+        Packet *packet = find_to_draw(p);
         result = packet ? draw_next(p, packet) : RESULT_OK;
         if (result != RESULT_OK)
             fail(p, result);
@@ -279,11 +310,18 @@ static Result submit_to_threads(Pipeline *p, const FrameOrder *order, bool wait)
 
 // The stages one after another on this thread.
 static Result submit_lockstep(Pipeline *p, const FrameOrder *order) {
+    if (p->failure != RESULT_OK)
+        return p->failure;
     p->waiting = *order;
     p->submitted++;
-    Result result = refine_next(p);
-    if (result == RESULT_OK)
-        result = draw_next(p, find_packet(p, PACKET_READY));
+    Result result;
+    do {
+        result = refine_next(p);
+        if (result == RESULT_OK)
+            result = draw_next(p, find_packet(p, PACKET_READY));
+    } while (result == RESULT_OK && find_packet(p, PACKET_REFUSED));
+    if (result != RESULT_OK)
+        fail(p, result);
     return result;
 }
 

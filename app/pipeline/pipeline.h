@@ -28,6 +28,7 @@ typedef struct PipelineOptions {
     LodOptions lod;
     bool compare; // the first orders will want `right` on the right half
     LodMethod right;
+    bool bound_brute; // as MethodsOptions has it
     RenderOptions render;
     const Terrain *terrain;
     Jobs *jobs;
@@ -43,6 +44,8 @@ void pipeline_destroy(Pipeline **pipeline);
 // Hands over an order. A method that no Lod has yet is created, where threaded, while the flight goes on with the one
 // before, or without the right half; it takes over after its first refinement. One that cannot be created or refined is
 // refused: the one before stays, and PipelineStats.changes tells it. It is not tried again until another was wanted.
+// Where the renderer has no room for a resident method, its frames are refined again, by the method before or by the
+// processor's twin, and drawn then.
 //  While the stage before is still busy: `wait` true waits; false replaces an order that was not
 // begun, as only the newest view matters to a person. Pictures are never dropped. The error of any earlier frame comes
 // back here.

@@ -32,11 +32,17 @@ static LodCut told_cut(const LodCut *cut, const RenderResident *resident) {
     return told;
 }
 
+static void add_creation(PipelineStats *stats, const RenderResident *resident) {
+    if (resident->create_ms > stats->longest_gpu_create_ms)
+        stats->longest_gpu_create_ms = resident->create_ms;
+}
+
 static void add_right(PipelineCounts *counts, const LodCut *right, LodMethod method, const RenderCutStats *render) {
     const LodCut cut = told_cut(right, &render->resident);
     counts->stats.right = cut_of(&cut, method);
     counts->stats.frames_split++;
     counts->stats.frames_by_method[method]++;
+    add_creation(&counts->stats, &render->resident);
     frame_times_add(&counts->right_refine, refine_ms(&cut));
     frame_times_add(&counts->right_upload, render->upload_ms);
     frame_times_add(&counts->right_draw, render->draw_ms);
@@ -52,6 +58,7 @@ void pipeline_counts_add(PipelineCounts *counts, const RenderPacket *packet, con
     stats->render = *render;
     stats->triangles_sum += cut.stats.triangles;
     stats->split = packet->split;
+    add_creation(stats, &render->resident);
     frame_times_add(&counts->refine, refine_ms(&cut));
     frame_times_add(&counts->upload, render->upload_ms);
     frame_times_add(&counts->draw, render->draw_ms);

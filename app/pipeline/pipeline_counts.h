@@ -27,7 +27,8 @@ typedef struct PipelineStats {
     int64_t frames_split;
     int64_t frames_by_method[LOD_METHOD_COUNT]; // that it had the whole picture or a half of
     MethodChanges changes;
-    Result picture_failure; // of the first picture that could not be written; the flight goes on
+    double longest_gpu_create_ms; // the renderer's share of a resident method's creation, in the drawing thread
+    Result picture_failure;       // of the first picture that could not be written; the flight goes on
 } PipelineStats;
 
 typedef struct PipelineTimes {

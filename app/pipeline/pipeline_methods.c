@@ -5,7 +5,9 @@
 #include "base/clock.h"
 #include "base/log.h"
 
+#include <inttypes.h>
 #include <pthread.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 #define MS_PER_NS 1e-6
@@ -14,15 +16,15 @@
 typedef enum MakingState { MAKING_NOTHING, MAKING_ASKED, MAKING_BEGUN, MAKING_DONE } MakingState;
 typedef struct Making {
     MakingState state;
-    LodMethod method;
-    uint32_t serial;
+    LodOptions lod;
     MethodRun *made; // NULL: `result` says why
     Result result;
 } Making;
 
 typedef struct Half {
     MethodRun *current, *candidate;
-    bool refused; // `refused_method`, and nothing else was wanted since
+    MethodRun *former; // kept until the first cut of a resident one is drawn
+    bool refused;      // `refused_method`, and nothing else was wanted since
     LodMethod refused_method;
     Making making; // under the lock
 } Half;
@@ -48,18 +50,25 @@ static void destroy_run(MethodRun **run) {
     *run = NULL;
 }
 
+static LodOptions next_lod(Methods *methods, LodMethod method) {
+    LodOptions lod = methods->options.lod;
+    lod.method = method;
+    lod.serial = ++methods->serials;
+    lod.resident = lod.resident && method == LOD_DIAMOND;
+    return lod;
+}
+
 // Any thread.
-static Result create_run(const Methods *methods, LodMethod method, uint32_t serial, MethodRun **out) {
+static Result create_run(const LodOptions *lod, const Terrain *terrain, MethodRun **out) {
     MethodRun *run = calloc(1, sizeof *run);
     if (!run) {
         log_error("no memory for another level-of-detail method");
         return RESULT_MEMORY;
     }
-    LodOptions options = methods->options.lod;
-    options.method = run->method = method;
-    options.serial = serial;
+    run->method = lod->method;
+    run->resident = lod->resident;
     int64_t begin_ns = clock_now_ns();
-    Result result = lod_create(&options, methods->options.terrain, &run->lod);
+    Result result = lod_create(lod, terrain, &run->lod);
     run->create_ms = (double)(clock_now_ns() - begin_ns) * MS_PER_NS;
     if (result == RESULT_OK)
         *out = run;
@@ -81,11 +90,10 @@ static Making *find_asked(Methods *methods) {
 // Under the lock, which is open while the work is done.
 static void make(Methods *methods, Making *making) {
     making->state = MAKING_BEGUN;
-    LodMethod method = making->method;
-    uint32_t serial = making->serial;
+    const LodOptions lod = making->lod;
     MethodRun *made = NULL;
     pthread_mutex_unlock(&methods->lock);
-    Result result = create_run(methods, method, serial, &made);
+    Result result = create_run(&lod, methods->options.terrain, &made);
     pthread_mutex_lock(&methods->lock);
     making->made = made;
     making->result = result;
@@ -168,6 +176,7 @@ void methods_destroy(Methods **methods) {
     for (int i = 0; i < METHODS_HALVES; i++) {
         forget_made(&self->halves[i].making);
         destroy_run(&self->halves[i].candidate);
+        destroy_run(&self->halves[i].former);
         destroy_run(&self->halves[i].current);
     }
     destroy_retired(self);
@@ -179,8 +188,27 @@ void methods_destroy(Methods **methods) {
 
 // --- changes
 
+static Result create_now(Methods *methods, LodMethod method, MethodRun **out) {
+    const LodOptions lod = next_lod(methods, method);
+    return create_run(&lod, methods->options.terrain, out);
+}
+
+// Two triangles a cell, as no cell is left out. `why`: the words that the screen shows.
+static Result check_size(const Methods *methods, LodMethod method, char why[METHODS_WHY_BYTES]) {
+    const Dem *dem = terrain_dem(methods->options.terrain);
+    int64_t triangles = 2 * (int64_t)(dem->width - 1) * (dem->height - 1), most = methods->options.lod.max_triangles;
+    why[0] = '\0';
+    if (method != LOD_BRUTE || !methods->options.bound_brute || triangles <= most)
+        return RESULT_OK;
+    snprintf(why, METHODS_WHY_BYTES, "%" PRId64 " triangles, more than --max-triangles %" PRId64, triangles, most);
+    log_error("%s: the terrain has %s: raise that, or take another method", lod_method_name(method), why);
+    return RESULT_RANGE;
+}
+
 Result methods_begin(Methods *methods, int half, LodMethod method) {
-    return create_run(methods, method, ++methods->serials, &methods->halves[half].current);
+    char why[METHODS_WHY_BYTES];
+    Result result = check_size(methods, method, why);
+    return result == RESULT_OK ? create_now(methods, method, &methods->halves[half].current) : result;
 }
 
 MethodRun *methods_current(const Methods *methods, int half) {
@@ -210,6 +238,34 @@ void methods_sweep(Methods *methods) {
     }
 }
 
+static Result fall_back(Methods *methods, int index) {
+    Half *half = &methods->halves[index];
+    LodMethod method = half->current->method;
+    if (methods->options.lod.resident)
+        log_warn("%s: the GPU cannot hold it; the processor computes it instead, as with --compute cpu",
+                 lod_method_name(method));
+    methods->options.lod.resident = false;
+    methods->changes.fallbacks++;
+    retire(methods, half->current);
+    half->current = half->former;
+    half->former = NULL;
+    return half->current || index > 0 ? RESULT_OK : create_now(methods, method, &half->current);
+}
+
+Result methods_settle(Methods *methods) {
+    Result result = RESULT_OK;
+    for (int i = 0; i < METHODS_HALVES && result == RESULT_OK; i++) {
+        Half *half = &methods->halves[i];
+        if (half->current && atomic_load(&half->current->undrawable)) {
+            result = fall_back(methods, i);
+        } else if (half->former && atomic_load(&half->current->drawn) > 0) {
+            retire(methods, half->former);
+            half->former = NULL;
+        }
+    }
+    return result;
+}
+
 static void refuse(Methods *methods, Half *half, LodMethod method, Result why) {
     half->refused = true;
     half->refused_method = method;
@@ -223,7 +279,7 @@ static Result take_or_ask(Methods *methods, Half *half, LodMethod wanted, Method
     Result result = RESULT_OK;
     Making *making = &half->making;
     pthread_mutex_lock(&methods->lock);
-    if (making->state == MAKING_DONE && making->method == wanted) {
+    if (making->state == MAKING_DONE && making->lod.method == wanted) {
         *out = making->made;
         making->made = NULL;
         result = making->result;
@@ -231,7 +287,7 @@ static Result take_or_ask(Methods *methods, Half *half, LodMethod wanted, Method
     } else {
         forget_made(making);
         if (making->state == MAKING_NOTHING)
-            *making = (Making){.state = MAKING_ASKED, .method = wanted, .serial = ++methods->serials};
+            *making = (Making){.state = MAKING_ASKED, .lod = next_lod(methods, wanted)};
         pthread_cond_broadcast(&methods->changed);
     }
     pthread_mutex_unlock(&methods->lock);
@@ -255,8 +311,10 @@ MethodRun *methods_find_candidate(Methods *methods, int index, LodMethod wanted)
         forget_unwanted(methods, half);
         return NULL;
     }
-    Result result = methods->options.threaded ? take_or_ask(methods, half, wanted, &half->candidate)
-                                              : create_run(methods, wanted, ++methods->serials, &half->candidate);
+    Result result = check_size(methods, wanted, methods->changes.why);
+    if (result == RESULT_OK)
+        result = methods->options.threaded ? take_or_ask(methods, half, wanted, &half->candidate)
+                                           : create_now(methods, wanted, &half->candidate);
     if (result != RESULT_OK)
         refuse(methods, half, wanted, result);
     return half->candidate;
@@ -273,7 +331,10 @@ void methods_judge(Methods *methods, int index, Result result, double refine_ms)
         destroy_run(&half->candidate);
         return;
     }
-    retire(methods, half->current);
+    retire(methods, half->former);
+    half->former = half->candidate->resident ? half->current : NULL;
+    if (!half->former)
+        retire(methods, half->current);
     half->current = half->candidate;
     half->candidate = NULL;
     methods->changes.changes++;
@@ -286,7 +347,8 @@ void methods_judge(Methods *methods, int index, Result result, double refine_ms)
 void methods_leave(Methods *methods, int index) {
     Half *half = &methods->halves[index];
     forget_unwanted(methods, half);
+    retire(methods, half->former);
     retire(methods, half->current);
-    half->current = NULL;
+    half->former = half->current = NULL;
     half->refused = false;
 }

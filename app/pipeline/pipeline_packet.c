@@ -49,6 +49,14 @@ void packet_leave(Packet *packet) {
     memset(packet->runs, 0, sizeof packet->runs);
 }
 
+bool packet_is_refused(Packet *packet, const RenderStats *stats) {
+    const bool refused[METHODS_HALVES] = {stats->resident.refused, stats->right.resident.refused};
+    for (int half = 0; half < METHODS_HALVES; half++)
+        if (refused[half] && packet->runs[half])
+            atomic_store(&packet->runs[half]->undrawable, true);
+    return refused[0] || refused[1];
+}
+
 static const char *method_name(const MethodRun *run) {
     return run ? lod_method_name(run->method) : NULL;
 }

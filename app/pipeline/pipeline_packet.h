@@ -6,7 +6,7 @@
 #include "app/pipeline/pipeline_methods.h"
 #include "base/arena.h"
 
-typedef enum PacketState { PACKET_FREE, PACKET_REFINING, PACKET_READY, PACKET_DRAWING } PacketState;
+typedef enum PacketState { PACKET_FREE, PACKET_REFINING, PACKET_READY, PACKET_DRAWING, PACKET_REFUSED } PacketState;
 
 typedef struct Packet {
     PacketState state;
@@ -21,5 +21,7 @@ typedef struct Packet {
 MUST_USE Result packet_refine(Packet *packet, Methods *methods, Jobs *jobs);
 // The packet is drawn: its cuts' memory may be used again. `methods`: who made them; without a right half 0.
 void packet_mark_drawn(Packet *packet, LodMethod methods[METHODS_HALVES]);
+// Whether a cut of it could not be drawn, which its method is told: the packet is to be refined again.
+bool packet_is_refused(Packet *packet, const RenderStats *stats);
 // It holds no cuts any more.
 void packet_leave(Packet *packet);

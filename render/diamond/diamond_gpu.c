@@ -173,14 +173,19 @@ static void create_vertex_array(DiamondGpu *gpu) {
     glVertexArrayElementBuffer(gpu->vertex_array, gpu->indices.buffer);
 }
 
-static void create_readbacks(DiamondGpu *gpu) {
+static Result create_readbacks(DiamondGpu *gpu) {
     const GLbitfield flags = GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
     for (int i = 0; i < READBACKS; i++) {
         Readback *readback = &gpu->readbacks[i];
         glCreateBuffers(1, &readback->buffer);
         glNamedBufferStorage(readback->buffer, sizeof(uint32_t), NULL, flags);
         readback->mapped = glMapNamedBufferRange(readback->buffer, 0, sizeof(uint32_t), flags);
+        if (!readback->mapped) {
+            log_error("diamonds: the driver maps no buffer for their count; fly with --compute cpu");
+            return RESULT_DEVICE;
+        }
     }
+    return RESULT_OK;
 }
 
 Result diamond_gpu_create(const DiamondModel *model, int64_t triangles_max, bool software, bool wait,
@@ -202,13 +207,14 @@ Result diamond_gpu_create(const DiamondModel *model, int64_t triangles_max, bool
         result = create_work_buffers(gpu);
     if (result == RESULT_OK)
         result = upload_model(gpu, model);
+    if (result == RESULT_OK)
+        result = create_readbacks(gpu);
     if (result != RESULT_OK) {
         diamond_gpu_destroy(&gpu);
         return result;
     }
     upload_errors(gpu, model);
     create_vertex_array(gpu);
-    create_readbacks(gpu);
     *out = gpu;
     return RESULT_OK;
 }

@@ -1,5 +1,6 @@
 #include "render/diamond/diamond_pass.h"
 
+#include "base/clock.h"
 #include "base/log.h"
 #include "render/gl.h"
 #include "render/shader.h"
@@ -28,8 +29,11 @@ typedef struct DiamondDrawBlock {
 
 struct DiamondPass {
     DiamondPassOptions options;
-    DiamondGpu *gpu;   // NULL: no resident cut came yet, or lately
-    uint64_t model_id; // of what it holds
+    DiamondGpu *gpu;     // NULL: no resident cut came yet, or lately
+    uint64_t model_id;   // of what it holds
+    uint64_t refused_id; // of a model that could not be had; 0: none
+    bool refused;        // in this frame
+    double create_ms;    // of the model
     GridPoint origin;
     int32_t width, level_count;
     int64_t budget, room; // triangles: what is aimed at, and what can be drawn
@@ -88,12 +92,15 @@ static Result take_model(DiamondPass *pass, const DiamondOrder *order, const Gro
     if (pass->gpu && pass->model_id == model->id)
         return RESULT_OK;
     forget_model(pass);
+    int64_t begin_ns = clock_now_ns();
     int64_t room = order->max_triangles + order->max_triangles / ROOM_BEYOND + ROOM_LEAST;
     Result result = diamond_gpu_create(model, room, pass->options.software, pass->options.wait, &pass->gpu);
     if (result != RESULT_OK)
         return result;
     if (!diamond_gpu_has_errors(pass->gpu))
         diamond_gpu_generate_errors(pass->gpu, NULL);
+    glFinish(); // the first frame would wait for it anyway, and none other does
+    pass->create_ms = (double)(clock_now_ns() - begin_ns) * 1e-6;
     pass->model_id = model->id;
     pass->origin = lattice_point(model->origin_ecef);
     pass->width = model->layout.width;
@@ -192,19 +199,22 @@ static void upload_draw_block(const DiamondPass *pass, const Frame *frame) {
     glNamedBufferSubData(pass->draw_block, 0, sizeof block, &block);
 }
 
-Result diamond_pass_prepare(DiamondPass *pass, const Frame *frame, const Ground *ground, const LodCut *cut) {
-    if (!cut->resident) {
+void diamond_pass_prepare(DiamondPass *pass, const Frame *frame, const Ground *ground, const LodCut *cut) {
+    pass->refused = cut->resident && cut->resident->model->id == pass->refused_id;
+    if (!cut->resident || pass->refused) {
         forget_model(pass);
-        return RESULT_OK;
+        return;
     }
     Result result = take_model(pass, cut->resident, ground);
     if (result == RESULT_OK)
         result = refine(pass, cut);
-    if (result != RESULT_OK)
-        forget_model(pass);
-    else
+    if (result == RESULT_OK) {
         upload_draw_block(pass, frame);
-    return result;
+        return;
+    }
+    forget_model(pass);
+    pass->refused_id = cut->resident->model->id;
+    pass->refused = true;
 }
 
 // ---- drawing ----
@@ -249,6 +259,7 @@ void diamond_pass_draw_wire(DiamondPass *pass) {
 }
 
 void diamond_pass_count(const DiamondPass *pass, RenderCutStats *stats) {
+    stats->resident.refused = pass->refused;
     if (!pass->gpu)
         return;
     stats->draws = 1;
@@ -256,6 +267,7 @@ void diamond_pass_count(const DiamondPass *pass, RenderCutStats *stats) {
     bool whole = pass->triangles <= pass->room;
     stats->triangles_drawn = whole ? pass->triangles : pass->room;
     stats->resident = (RenderResident){.made = true,
+                                       .create_ms = pass->create_ms,
                                        .triangles = stats->triangles_drawn,
                                        .reached_px = whole ? pass->tau_px : (double)INFINITY,
                                        .evaluate_ms = diamond_gpu_ms(pass->gpu, DIAMOND_PHASE_EVALUATE),

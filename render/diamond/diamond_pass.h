@@ -19,9 +19,9 @@ MUST_USE Result diamond_pass_create(const DiamondPassOptions *options, DiamondPa
 void diamond_pass_destroy(DiamondPass **pass);
 
 // Makes the cut's triangles; for a cut that is not resident only gives the memory back. Above the budget the tolerance
-// is raised: at once with `wait`, else for frames to come, and what there is room for, a quarter more, is drawn. What
-// the phases fail with.
-MUST_USE Result diamond_pass_prepare(DiamondPass *pass, const Frame *frame, const Ground *ground, const LodCut *cut);
+// is raised: at once with `wait`, else for frames to come, and what there is room for, a quarter more, is drawn. Where
+// the model or a phase cannot be had, nothing is drawn, the stats say refused, and that model is not tried again.
+void diamond_pass_prepare(DiamondPass *pass, const Frame *frame, const Ground *ground, const LodCut *cut);
 // The land, or the edges of its triangles with the state for them set; nothing where the cut is not resident.
 void diamond_pass_draw(DiamondPass *pass, RenderColouring colouring);
 void diamond_pass_draw_wire(DiamondPass *pass);
