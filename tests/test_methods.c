@@ -17,6 +17,7 @@
 
 #define SEED UINT64_C(1597463007)
 #define FRAMES 40
+#define STILL_FRAMES 30 // after which a still view has come to rest
 
 static const DemGeoref GEOREF = {DEM_CRS_GEOGRAPHIC, 0, false, 12.3, 46.9, 0.0006, -0.0004};
 
@@ -32,14 +33,19 @@ static LodMethod method_of(void **state) {
     return (LodMethod)(uintptr_t)*state;
 }
 
-static Flight flight_begin(const LodOptions *options, int workers, int width, int height, int patch_level) {
+static Flight flight_begin_at(const LodOptions *options, int workers, int width, int height, int patch_level,
+                              const DemGeoref *georef) {
     Flight f = {0};
     assert_int_equal(jobs_create(workers, &f.jobs), RESULT_OK);
-    Dem *dem = support_rough_dem(width, height, &GEOREF, 900.0, SEED);
+    Dem *dem = support_rough_dem(width, height, georef, 900.0, SEED);
     f.terrain = support_terrain(dem, TERRAIN_ERROR_TOTAL, patch_level, f.jobs);
     assert_int_equal(lod_create(options, f.terrain, &f.lod), RESULT_OK);
     assert_int_equal(arena_create(1 << 20, &f.frame), RESULT_OK);
     return f;
+}
+
+static Flight flight_begin(const LodOptions *options, int workers, int width, int height, int patch_level) {
+    return flight_begin_at(options, workers, width, height, patch_level, &GEOREF);
 }
 
 static void flight_end(Flight *f) {
@@ -115,6 +121,28 @@ static void test_cuts_are_whole_and_keep_what_they_promise(void **state) {
 
 static void test_every_sample_is_within_tau_where_the_bound_is_asked_for(void **state) {
     check_sizes(method_of(state), LOD_BOUND_CENTRE);
+}
+
+// Offsets within a page reach 524 km in 32 bits.
+static void test_coarse_grids_are_whole(void **state) {
+    static const struct {
+        double cell;
+        int width, height, tile_side;
+    } CASES[] = {{0.3, 129, 129, 129}, {0.3, 65, 129, 65}, {1.0, 129, 65, 129}, {1.0, 65, 65, 65}};
+    for (size_t i = 0; i < COUNT_OF(CASES); i++) {
+        LodOptions options = options_of(method_of(state));
+        options.bound = LOD_BOUND_CENTRE;
+        options.tile_side = CASES[i].tile_side;
+        DemGeoref georef = {DEM_CRS_GEOGRAPHIC, 0, false, 12.3, 40.0, CASES[i].cell, -CASES[i].cell};
+        Flight f = flight_begin_at(&options, 2, CASES[i].width, CASES[i].height, 12, &georef);
+        for (int k = 0; k < 2; k++) {
+            Vec3d eye = support_eye(f.terrain, 0.4 * CASES[i].width, 0.6 * CASES[i].height, k ? 2e6 : 5e4);
+            LodView view = support_view(eye, k ? 30.0 : 3.0);
+            assert_int_equal(flight_update(&f, &view), RESULT_OK);
+            support_check_cut(f.terrain, &f.cut, f.jobs, lod_method_name(method_of(state)));
+        }
+        flight_end(&f);
+    }
 }
 
 static void check_real(LodMethod method, const char *name) {
@@ -337,6 +365,88 @@ static void test_the_budget_holds_and_the_cut_says_which_error_it_reached(void *
     }
 }
 
+// Three frames low over the rough ground, and then one view whose cut at the tolerance asked for fits.
+static void test_a_still_view_that_fits_ends_at_its_tolerance(void **state) {
+    if (method_of(state) == LOD_BRUTE) { // it has no budget
+        skip();
+    }
+    LodOptions options = options_of(method_of(state));
+    for (int share = 105; share <= 165; share += 30) { // % of what the still view takes
+        Flight f = flight_begin(&options, 2, 257, 129, 6);
+        LodView near = view_of_frame(f.terrain, 0);
+        LodView still = support_view(support_eye(f.terrain, 200.0, 64.0, 9000.0), 1.0);
+        near.tau_px = 0.05;
+        assert_int_equal(flight_update(&f, &still), RESULT_OK);
+        LodOptions tight = options;
+        tight.max_triangles = f.cut.stats.triangles * share / 100;
+        lod_destroy(&f.lod);
+        f.cut.frame = 0;
+        assert_int_equal(lod_create(&tight, f.terrain, &f.lod), RESULT_OK);
+        for (int frame = 0; frame < 3; frame++)
+            assert_int_equal(flight_update(&f, &near), RESULT_BUDGET);
+        Result result = RESULT_BUDGET;
+        int frames = 0;
+        for (; result == RESULT_BUDGET && frames < STILL_FRAMES; frames++)
+            result = flight_update(&f, &still);
+        if (result != RESULT_OK)
+            fail_msg("%.3f px after %d frames, asked for 1", f.cut.reached_px, frames);
+        for (int frame = 0; frame < 5; frame++)
+            assert_int_equal(flight_update(&f, &still), RESULT_OK);
+        flight_end(&f);
+    }
+}
+
+// And one that does not fit stays at one tolerance.
+static void test_a_still_view_above_the_budget_comes_to_rest(void **state) {
+    if (method_of(state) == LOD_BRUTE) { // it has no budget
+        skip();
+    }
+    LodOptions options = options_of(method_of(state));
+    options.max_triangles = 5000;
+    Flight f = flight_begin(&options, 2, 257, 129, 6);
+    LodView view = view_of_frame(f.terrain, 0);
+    view.tau_px = 0.05;
+    for (int frame = 0; frame < STILL_FRAMES; frame++)
+        assert_int_equal(flight_update(&f, &view), RESULT_BUDGET);
+    double rest = f.cut.reached_px;
+    for (int frame = 0; frame < 40; frame++) {
+        assert_int_equal(flight_update(&f, &view), RESULT_BUDGET);
+        if (f.cut.reached_px != rest || f.cut.stats.triangles_rebuilt != 0)
+            fail_msg("%.6f px, %" PRId64 " triangles rebuilt; before %.6f px", f.cut.reached_px,
+                     f.cut.stats.triangles_rebuilt, rest);
+    }
+    flight_end(&f);
+}
+
+static uint64_t hash_of_budget_flight(LodMethod method, int workers, int partitions) {
+    LodOptions options = options_of(method);
+    options.partitions = partitions;
+    options.max_triangles = 4000;
+    Flight f = flight_begin(&options, workers, 257, 129, 6);
+    uint64_t hash = 0;
+    int over = 0;
+    for (int frame = 0; frame < FRAMES; frame++) {
+        LodView view = view_of_frame(f.terrain, frame);
+        view.tau_px *= 0.3;
+        over += flight_update(&f, &view) == RESULT_BUDGET;
+        hash = hash * 31 + support_cut_hash(&f.cut);
+    }
+    assert_true(over > 0 || method == LOD_BRUTE);
+    flight_end(&f);
+    return hash;
+}
+
+static void test_above_the_budget_any_number_of_workers_gives_the_same_bytes(void **state) {
+    static const struct { int workers, partitions; } CASES[] = {{2, 0}, {4, 0}, {3, 7}};
+    uint64_t first = hash_of_budget_flight(method_of(state), 1, 0);
+    for (size_t i = 0; i < COUNT_OF(CASES); i++) {
+        uint64_t hash = hash_of_budget_flight(method_of(state), CASES[i].workers, CASES[i].partitions);
+        if (hash != first)
+            fail_msg("%d workers, %d partitions: %016" PRIx64 ", one worker %016" PRIx64, CASES[i].workers,
+                     CASES[i].partitions, hash, first);
+    }
+}
+
 // ---- bad input ----
 
 static void keep_quiet(void *user, LogLevel level, const char *text) {
@@ -400,6 +510,7 @@ static void test_extreme_tolerances_give_whole_cuts(void **state) {
 #define PROPERTIES(X)                                                                                                  \
     X(test_cuts_are_whole_and_keep_what_they_promise)                                                                  \
     X(test_every_sample_is_within_tau_where_the_bound_is_asked_for)                                                    \
+    X(test_coarse_grids_are_whole)                                                                                     \
     X(test_puget_sound_keeps_the_bound)                                                                                \
     X(test_mount_washington_keeps_the_bound)                                                                           \
     X(test_statistics_are_those_of_the_cut)                                                                            \
@@ -409,6 +520,9 @@ static void test_extreme_tolerances_give_whole_cuts(void **state) {
     X(test_numbers_of_pages_and_lists_are_never_used_again)                                                            \
     X(test_a_frame_that_is_still_read_keeps_its_bytes)                                                                 \
     X(test_the_budget_holds_and_the_cut_says_which_error_it_reached)                                                   \
+    X(test_a_still_view_that_fits_ends_at_its_tolerance)                                                               \
+    X(test_a_still_view_above_the_budget_comes_to_rest)                                                                \
+    X(test_above_the_budget_any_number_of_workers_gives_the_same_bytes)                                                \
     X(test_options_out_of_range_are_refused)                                                                           \
     X(test_views_that_are_no_views_are_refused)                                                                        \
     X(test_extreme_tolerances_give_whole_cuts)

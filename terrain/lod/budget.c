@@ -59,10 +59,12 @@ static void lose_patience(Budget *b) {
     b->wait = b->patience;
 }
 
-// Back to what was kept before the try, where this is one.
+// Back to what was kept before the try, where this is one. Counts that come later are not news once it is raised.
 static double learn_overflow(Budget *b, double tau_px, int64_t triangles) {
-    lose_patience(b);
     b->overflow_px = fmax(b->overflow_px, tau_px);
+    if (tau_px < b->raised_px)
+        return b->raised_px;
+    lose_patience(b);
     double fitted = b->fitted_px;
     b->fitted_px = 0.0;
     if (fitted > tau_px)
