@@ -205,28 +205,40 @@ static Result create_scratch(PatchRest *rest, int parts) {
     return RESULT_OK;
 }
 
-Result rest_triangulate(PatchRest *rest, PatchSeam *seam, const LodCall *call, bool all, uint64_t *revision) {
-    Pass pass = {.rest = rest, .seam = seam, .all = all, .parts = jobs_worker_count(call->jobs)};
-    Result result = create_scratch(rest, pass.parts);
-    if (result != RESULT_OK)
-        return result;
-    jobs_run(call->jobs, pass.parts, 1, triangulate_task, &pass);
-    seam_settle(seam);
+static Result adopt(PatchRest *rest, const LodCall *call, uint64_t *revision) {
     for (int32_t i = 0; i < rest->count; i++) {
         RestPage *r = &rest->pages[i];
         if (!r->next.indices)
             continue;
-        if (result == RESULT_OK)
-            result = index_list_retire(&rest->lists, &r->list, call->number - 1);
+        Result result = index_list_retire(&rest->lists, &r->list, call->number - 1);
         if (result != RESULT_OK)
-            continue;
+            return result;
         r->list = r->next;
         r->next = (IndexList){0};
         r->revision = ++*revision;
         r->built_frame = call->number;
     }
-    for (int p = 0; p < pass.parts; p++)
-        if (pass.failed[p])
-            result = RESULT_MEMORY;
+    return RESULT_OK;
+}
+
+static Result make_lists(Pass *pass, PatchSeam *seam, uint64_t *revision) {
+    Result result = create_scratch(pass->rest, pass->parts);
+    if (result != RESULT_OK)
+        return result;
+    jobs_run(pass->call->jobs, pass->parts, 1, triangulate_task, pass);
+    seam_settle(seam);
+    for (int p = 0; p < pass->parts; p++)
+        if (pass->failed[p])
+            return RESULT_MEMORY;
+    return adopt(pass->rest, pass->call, revision);
+}
+
+Result rest_triangulate(PatchRest *rest, PatchSeam *seam, const LodCall *call, bool all, uint64_t *revision) {
+    Pass pass = {
+        .rest = rest, .seam = seam, .call = call, .all = all || rest->failed, .parts = jobs_worker_count(call->jobs)};
+    Result result = make_lists(&pass, seam, revision);
+    rest->failed = result != RESULT_OK;
+    for (int32_t i = 0; rest->failed && i < rest->count; i++) // nobody read them
+        index_list_give_back(&rest->lists, &rest->pages[i].next);
     return result;
 }

@@ -27,6 +27,7 @@ typedef struct PatchRest {
     uint8_t *activity; // of all pages
     uint16_t *scratch[LOD_PARTITIONS_MAX];
     size_t scratch_count; // indices
+    bool failed;          // the last pass: lists and activity do not agree, all are to be made anew
     IndexStore lists;     // a pool a worker
 } PatchRest;
 
