@@ -165,53 +165,6 @@ static void warn_over_budget(TerrainPass *pass, const PatchCache *cache, const L
     pass->over_budget = true;
 }
 
-static int32_t find_in_view(TerrainPass *pass, const Frame *frame, const LodCut *cut) {
-    int32_t count = 0;
-    for (int32_t i = 0; i < cut->item_count; i++)
-        if (frame_sees_sphere(frame, cut->items[i].centre_ecef, cut->items[i].radius_m))
-            pass->in_view[count++] = cut->items[i];
-    return count;
-}
-
-// Brings items into the cache and remembers where they are.
-static Result place_items(TerrainPass *pass, PatchCache *cache, const Ground *ground, const LodItem *items,
-                          int32_t count) {
-    Result result = patch_cache_place(cache, items, count, pass->places);
-    if (result == RESULT_BUDGET)
-        return result;
-    pass->placed_count = result == RESULT_OK ? count : 0;
-    for (int32_t i = 0; i < pass->placed_count; i++)
-        pass->placed[i] = placed_from(&items[i], &pass->places[i], ground);
-    pass->placed_last = patch_cache_last_placed(cache);
-    return result;
-}
-
-// All of the cut, so that a turn of the head uploads nothing; else what is in view; else what was drawn before; else
-// what fits.
-static Result place_cut(TerrainPass *pass, PatchCache *cache, const Frame *frame, const Ground *ground,
-                        const LodCut *cut) {
-    Result result = place_items(pass, cache, ground, cut->items, cut->item_count);
-    if (result != RESULT_BUDGET) {
-        pass->over_budget = false;
-        return result;
-    }
-    int32_t count = find_in_view(pass, frame, cut);
-    result = place_items(pass, cache, ground, pass->in_view, count);
-    if (result != RESULT_BUDGET) {
-        warn_over_budget(pass, cache, cut, "only what is in view");
-        return result;
-    }
-    if (pass->placed_count && pass->placed_last == patch_cache_last_placed(cache)) { // nobody else placed since
-        warn_over_budget(pass, cache, cut, "the last cut that fitted");
-        patch_cache_keep_last(cache);
-        pass->placed_last = patch_cache_last_placed(cache);
-        return RESULT_OK;
-    }
-    warn_over_budget(pass, cache, cut, "a part of it");
-    return place_items(pass, cache, ground, pass->in_view,
-                       count_fitting(pass->in_view, count, patch_cache_capacity(cache)));
-}
-
 // Dry before wet, near before far.
 static bool comes_before(const Visible *a, const Visible *b) {
     if (a->wet != b->wet)
@@ -245,13 +198,69 @@ static void sort_visible(Visible *items, int32_t count) {
     }
 }
 
+static double distance_to(const Frame *frame, Vec3d centre_ecef, double radius_m) {
+    return vec3d_distance(centre_ecef, frame->eye_ecef) - radius_m;
+}
+
+// Nearest first: of what does not fit, the far end is missed least.
+static int32_t find_in_view(TerrainPass *pass, const Frame *frame, const LodCut *cut) {
+    int32_t count = 0;
+    for (int32_t i = 0; i < cut->item_count; i++) {
+        const LodItem *item = &cut->items[i];
+        if (frame_sees_sphere(frame, item->centre_ecef, item->radius_m))
+            pass->visible[count++] = (Visible){false, distance_to(frame, item->centre_ecef, item->radius_m), i};
+    }
+    sort_visible(pass->visible, count);
+    for (int32_t k = 0; k < count; k++)
+        pass->in_view[k] = cut->items[pass->visible[k].index];
+    return count;
+}
+
+static Result place_items(TerrainPass *pass, PatchCache *cache, const Ground *ground, const LodItem *items,
+                          int32_t count) {
+    Result result = patch_cache_place(cache, items, count, pass->places);
+    if (result == RESULT_BUDGET)
+        return result;
+    pass->placed_count = result == RESULT_OK ? count : 0;
+    for (int32_t i = 0; i < pass->placed_count; i++)
+        pass->placed[i] = placed_from(&items[i], &pass->places[i], ground);
+    pass->placed_last = patch_cache_last_placed(cache);
+    return result;
+}
+
+// All of the cut, so that a turn of the head uploads nothing; else what is in view; else what was drawn before; else
+// what fits.
+static Result place_cut(TerrainPass *pass, PatchCache *cache, const Frame *frame, const Ground *ground,
+                        const LodCut *cut) {
+    Result result = place_items(pass, cache, ground, cut->items, cut->item_count);
+    if (result != RESULT_BUDGET) {
+        pass->over_budget = false;
+        return result;
+    }
+    int32_t count = find_in_view(pass, frame, cut);
+    result = place_items(pass, cache, ground, pass->in_view, count);
+    if (result != RESULT_BUDGET) {
+        warn_over_budget(pass, cache, cut, "only what is in view");
+        return result;
+    }
+    if (pass->placed_count && pass->placed_last == patch_cache_last_placed(cache)) { // nobody else placed since
+        warn_over_budget(pass, cache, cut, "the last cut that fitted");
+        patch_cache_keep_last(cache);
+        pass->placed_last = patch_cache_last_placed(cache);
+        return RESULT_OK;
+    }
+    warn_over_budget(pass, cache, cut, "the nearest part of it");
+    return place_items(pass, cache, ground, pass->in_view,
+                       count_fitting(pass->in_view, count, patch_cache_capacity(cache)));
+}
+
 static void find_visible(TerrainPass *pass, const Frame *frame) {
     pass->visible_count = pass->dry_count = 0;
     for (int32_t i = 0; i < pass->placed_count; i++) {
         const Placed *placed = &pass->placed[i];
         if (placed->index_count == 0 || !frame_sees_sphere(frame, placed->centre_ecef, placed->radius_m))
             continue;
-        double distance = vec3d_distance(placed->centre_ecef, frame->eye_ecef) - placed->radius_m;
+        double distance = distance_to(frame, placed->centre_ecef, placed->radius_m);
         pass->visible[pass->visible_count++] = (Visible){placed->wet, distance, i};
         pass->dry_count += !placed->wet;
     }

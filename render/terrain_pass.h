@@ -14,8 +14,8 @@ void terrain_pass_destroy(TerrainPass **pass);
 
 // Brings the packet's patches into the cache and lists those that can be seen, nearest first. When the cut does not
 // fit into the cache, only what is in view is brought there; when even that does not fit, the last cut that did is
-// listed again, unless another pass used the cache since; then what fits of it. A warning says so once. MEMORY: nothing
-// is listed.
+// listed again, unless another pass used the cache since; then the nearest that fit. A warning says so once. MEMORY:
+// nothing is listed.
 MUST_USE Result terrain_pass_prepare(TerrainPass *pass, PatchCache *cache, const Frame *frame, const Ground *ground,
                                      const LodCut *cut);
 
