@@ -4,19 +4,13 @@
 #include "base/log.h"
 #include "render/gl.h"
 #include "render/shader.h"
+#include "terrain/lod/budget.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 #define DRAW_BLOCK_BINDING 7
-// As terrain/lod/budget.c: above the budget the tolerance grows by this; it shrinks again when there is room.
-#define RAISE 1.25
-#define RAISE_FAST 4.0
-#define FAR_ABOVE 8
-#define LOWER 1.1
-#define LOWER_BELOW 0.7
-#define COARSEST_PX 1e12
 // Room for indices beyond the budget, so that frames that are over it before that is known are whole.
 #define ROOM_BEYOND 4 // a share of it
 #define ROOM_LEAST 65536
@@ -36,11 +30,12 @@ struct DiamondPass {
     double create_ms;    // of the model
     GridPoint origin;
     int32_t width, level_count;
-    int64_t budget, room; // triangles: what is aimed at, and what can be drawn
+    int64_t room; // triangles that can be drawn
     bool wet;
     GLuint land_program, level_program, wire_program; // 0 until they are called for
     GLuint draw_block;
-    double raised_px;              // the tolerance that the budget forced; 0: none
+    Budget budget;
+    uint64_t settled;              // the first generation of the view as it is
     double tolerances[TOLERANCES]; // by generation of indices
     int64_t triangles;             // wanted in the newest frame known
     double tau_px;                 // its tolerance
@@ -82,7 +77,7 @@ static GridPoint lattice_point(Vec3d metres) {
 
 static void forget_model(DiamondPass *pass) {
     diamond_gpu_destroy(&pass->gpu);
-    pass->raised_px = 0.0;
+    pass->budget = (Budget){0};
     pass->triangles = 0;
     pass->over_room = false;
 }
@@ -107,7 +102,7 @@ static Result take_model(DiamondPass *pass, const DiamondOrder *order, const Gro
     pass->level_count = model->layout.level_count;
     pass->wet = ground_is_wet(ground, 0, 0, model->layout.width, model->layout.height);
     pass->room = diamond_gpu_triangles_max(pass->gpu);
-    pass->budget = order->max_triangles < pass->room ? order->max_triangles : pass->room;
+    pass->budget.max_triangles = order->max_triangles < pass->room ? order->max_triangles : pass->room;
     return RESULT_OK;
 }
 
@@ -130,19 +125,6 @@ static Result refine_at(DiamondPass *pass, const LodCut *cut, double tau_px) {
     return RESULT_OK;
 }
 
-static double raised(const DiamondPass *pass, double tau_px, int64_t triangles) {
-    return tau_px * (triangles > FAR_ABOVE * pass->budget ? RAISE_FAST : RAISE);
-}
-
-// What a frame's count means for the tolerance of the next one.
-static double next_raised(const DiamondPass *pass, double asked_px, double tau_px, int64_t triangles) {
-    if (triangles > pass->budget)
-        return tau_px <= COARSEST_PX ? raised(pass, tau_px, triangles) : tau_px;
-    if (tau_px <= asked_px)
-        return 0.0;
-    return (double)triangles < LOWER_BELOW * (double)pass->budget ? tau_px / LOWER : tau_px;
-}
-
 static void warn_over_room(DiamondPass *pass) {
     if (!pass->over_room)
         log_warn("%lld triangles of diamonds are wanted, there is room for %lld, and no more are drawn; raise the "
@@ -151,42 +133,61 @@ static void warn_over_room(DiamondPass *pass) {
     pass->over_room = true;
 }
 
-// Raises the tolerance until the triangles fit.
-static Result refine_now(DiamondPass *pass, const LodCut *cut, double tau_px) {
-    Result result = refine_at(pass, cut, tau_px);
-    pass->triangles = result == RESULT_OK ? diamond_gpu_count_now(pass->gpu) : 0;
-    while (cut->resident->may_raise && pass->triangles > pass->budget && tau_px <= COARSEST_PX) {
-        tau_px = raised(pass, tau_px, pass->triangles);
-        if ((result = refine_at(pass, cut, tau_px)) != RESULT_OK)
-            return result;
-        pass->triangles = diamond_gpu_count_now(pass->gpu);
-    }
-    pass->tau_px = tau_px;
+typedef struct Counting {
+    DiamondPass *pass;
+    const LodCut *cut;
+} Counting;
+
+static Result count_at(void *user, double tau_px, LodStats *stats) {
+    const Counting *counting = user;
+    Result result = refine_at(counting->pass, counting->cut, tau_px);
+    if (result == RESULT_OK)
+        stats->triangles = diamond_gpu_count_now(counting->pass->gpu);
     return result;
+}
+
+static Result refine_now(DiamondPass *pass, const LodCut *cut) {
+    Counting counting = {pass, cut};
+    LodCut counted = {.view = cut->view, .reached_px = cut->view.tau_px};
+    Result result = cut->resident->may_raise ? budget_refine(&pass->budget, count_at, &counting, &counted)
+                                             : count_at(&counting, cut->view.tau_px, &counted.stats);
+    pass->triangles = counted.stats.triangles;
+    pass->tau_px = counted.reached_px;
+    return result == RESULT_BUDGET ? RESULT_OK : result;
+}
+
+// What a generation's count says of the frames to come. One of another view says nothing of what fits this one.
+static void learn(DiamondPass *pass, const LodCut *cut, uint64_t generation, int64_t triangles) {
+    pass->triangles = triangles;
+    pass->tau_px = pass->tolerances[generation % TOLERANCES];
+    if (!cut->resident->may_raise)
+        return;
+    (void)budget_learn(&pass->budget, cut->view.tau_px, pass->tau_px, triangles);
+    if (generation < pass->settled)
+        pass->budget.overflow_px = 0.0;
 }
 
 // The count comes some frames later.
-static Result refine_ahead(DiamondPass *pass, const LodCut *cut, double tau_px) {
-    Result result = refine_at(pass, cut, tau_px);
+static Result refine_ahead(DiamondPass *pass, const LodCut *cut) {
+    pass->tau_px = cut->resident->may_raise ? budget_begin(&pass->budget, &cut->view) : cut->view.tau_px;
+    Result result = refine_at(pass, cut, pass->tau_px);
+    if (result != RESULT_OK)
+        return result;
+    if (!pass->budget.still)
+        pass->settled = diamond_gpu_generation(pass->gpu);
     uint64_t generation = 0;
     int64_t triangles = diamond_gpu_count_ready(pass->gpu, &generation);
-    if (result == RESULT_OK && triangles >= 0) {
-        pass->triangles = triangles;
-        pass->tau_px = pass->tolerances[generation % TOLERANCES];
-    }
-    return result;
+    if (triangles >= 0)
+        learn(pass, cut, generation, triangles);
+    return RESULT_OK;
 }
 
 static Result refine(DiamondPass *pass, const LodCut *cut) {
-    bool may_raise = cut->resident->may_raise;
-    double asked = cut->view.tau_px, tau = may_raise ? fmax(asked, pass->raised_px) : asked;
-    pass->tau_px = tau; // until more is known
-    Result result = pass->options.wait ? refine_now(pass, cut, tau) : refine_ahead(pass, cut, tau);
+    Result result = pass->options.wait ? refine_now(pass, cut) : refine_ahead(pass, cut);
     if (result != RESULT_OK)
         return result;
     if (pass->triangles > pass->room)
         warn_over_room(pass);
-    pass->raised_px = may_raise ? next_raised(pass, asked, pass->tau_px, pass->triangles) : 0.0;
     return RESULT_OK;
 }
 
