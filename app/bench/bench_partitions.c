@@ -14,6 +14,7 @@
 #define WARM_UP_FRAMES 5 // pages are made, and work is predicted from the frame before
 #define TURN_RAD_S 0.5   // the head's: the observer line passes over all squares
 #define TAU_STEPS 30
+#define CLOSE_SHARE 0.01 // of the vertices asked for
 
 enum { SERIAL, PARALLEL };
 
@@ -46,22 +47,38 @@ static LodView view_of_frame(const Bench *bench, int frame) {
     return view;
 }
 
-// The tolerance at which roam draws so many vertices from the start, to 1 %.
+static bool is_sought(const Bench *bench) {
+    return !options_is_given(bench->options, OPTION_TAU);
+}
+
+static bool is_close(double found, double asked) {
+    return fabs(found - asked) <= CLOSE_SHARE * asked;
+}
+
+// Fewer than every view needs, more than there are samples or the triangle budget allows, or a step between.
+static void warn_if_far(const Bench *bench, double found, double asked) {
+    if (!is_close(found, asked))
+        log_warn("bench: %.0f vertices were asked for, tau %.4g px comes to %.0f, and no tau tried to within %g %%: "
+                 "give another --vertices, or --tau",
+                 asked, bench->start.tau_px, found, 100.0 * CLOSE_SHARE);
+}
+
+// The tolerance at which roam draws so many vertices from the start; one as near as the search came where none does.
 static Result find_tau(Bench *bench, double vertices) {
     Race race;
     LodOptions options = lod_options(bench, LOD_ROAM);
-    double low = log(1e-3), high = log(1e3), ms;
+    double low = log(1e-3), high = log(1e3), found = 0.0, ms;
     race_begin(bench->world.terrain, 1, &race);
     Result result = race_enter(&race, &options, bench->one);
-    for (int i = 0; i < TAU_STEPS && result == RESULT_OK; i++) {
+    for (int i = 0; i < TAU_STEPS && result == RESULT_OK && !is_close(found, vertices); i++) {
         bench->start.tau_px = exp(0.5 * (low + high));
         result = racer_refine(&race.racers[0], &bench->start, &ms);
-        double found = (double)race.racers[0].cut.stats.vertices;
-        if (fabs(found - vertices) <= 0.01 * vertices)
-            break;
+        found = (double)race.racers[0].cut.stats.vertices;
         *(found > vertices ? &low : &high) = 0.5 * (low + high);
     }
     race_end(&race);
+    if (result == RESULT_OK)
+        warn_if_far(bench, found, vertices);
     return result;
 }
 
@@ -72,7 +89,7 @@ static Result prepare(Bench *bench, int frames) {
         return result;
     bench->start = world_lod_view(&bench->world, bench->options, &start);
     result = jobs_create(1, &bench->one);
-    if (result == RESULT_OK && !options_is_given(bench->options, OPTION_TAU))
+    if (result == RESULT_OK && is_sought(bench))
         result = find_tau(bench, (double)options_integer(bench->options, OPTION_VERTICES));
     race_begin(bench->world.terrain, frames, &bench->race);
     LodOptions serial = lod_options(bench, LOD_ROAM), parallel = lod_options(bench, LOD_ROAM_PARALLEL);
@@ -125,6 +142,8 @@ static Result print_json(const Bench *bench) {
     bench_add_machine(json);
     json_add_text(json, "dem", terrain_dem(bench->world.terrain)->file);
     json_add_number(json, "tau_px", bench->start.tau_px);
+    if (is_sought(bench))
+        json_add_integer(json, "vertices_asked", options_integer(bench->options, OPTION_VERTICES));
     json_add_integer(json, "frames", parallel->frames);
     json_add_integer(json, "threads", jobs_worker_count(bench->world.jobs));
     json_add_integer(json, "partitions", parallel->cut.stats.partitions);
