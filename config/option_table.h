@@ -58,7 +58,7 @@
     X(SELECT, "select", 0, TEXT, "EXPRESSION", NULL, 0, 0, NULL, COMMAND_MESH,                                         \
       "diamond: what to refine, as 'error > 5 || within(36.6, -84.2, 2000)'")                                          \
     X(MAX_TRIANGLES, "max-triangles", 0, INTEGER, "N", "16000000", 1000, 2000000000, NULL, COMMANDS_SCENE,             \
-      "above it the tolerance is raised")                                                                              \
+      "above it the tolerance is raised; a flight refuses brute")                                                      \
     X(REUSE, "reuse", 0, FLAG, NULL, "true", 0, 0, NULL, COMMANDS_SCENE, "keep triangulations from frame to frame")    \
                                                                                                                        \
     X(SIZE, "size", 's', SIZE, "WxH", "1280x800", 16, 16384, NULL, COMMANDS_SCENE, "picture or window, pixels")        \

@@ -258,6 +258,15 @@ def a_budget_below_the_smallest_mesh_says_so(cli):
     expect(f"an error of 1e12 px in {text.err!r} and {text.out!r}", "e+12" in text.err + text.out, False)
 
 
+def brute_keeps_the_budget_in_flight_only(cli):
+    options = DEM, "--method", "brute", "--max-triangles", "1000"
+    triangles = cli.json("mesh", *options)["triangles"]
+    expect("a mesh of every sample", triangles > 1000, True)
+    run = cli.run("fly", *options, "--no-window", "--frames", "1")
+    expect(f"exit status of the flight, having said {run.err!r}", run.code, 1)
+    expect_in("the flight's message", f"{triangles} triangles, more than --max-triangles 1000", run.err)
+
+
 def partitions_draw_the_serial_triangles(cli):
     report = cli.json("bench", "partitions", DEM, "--vertices", "5000", "--frames", "4", "--threads", "2")
     expect("surplus", report["surplus_share"], 0)
@@ -405,6 +414,7 @@ CASES = [help_is_instant_and_complete, help_comes_even_with_a_damaged_file, wron
          an_image_beside_the_terrain_is_warned_of, an_eye_under_the_ground_is_warned_of,
          missing_files_are_named_before_a_window_is_wanted, info_names_every_file, overlapping_files_are_warned_of,
          paths_of_a_scene_are_written_plainly, a_budget_below_the_smallest_mesh_says_so,
+         brute_keeps_the_budget_in_flight_only,
          partitions_draw_the_serial_triangles, a_snapshot_is_the_same_each_time,
          two_methods_are_reported_side_by_side, the_corner_bound_holds_in_flight_too,
          a_flight_repeats_in_lockstep, overlapped_stages_draw_what_lockstep_draws,
