@@ -197,7 +197,7 @@ static void test_a_budget_that_can_not_be_kept_gives_the_coarsest_cut(void **sta
         Bench b = {0};
         assert_int_equal(lod_create(&options, terrain, &b.lod), RESULT_OK);
         assert_int_equal(arena_create(1 << 20, &b.frame), RESULT_OK);
-        LodView view = support_view(support_eye(terrain, 48.0, 48.0, 0.0), 1.0); // a tile's middle
+        LodView view = support_view(support_eye(terrain, 48.0, 48.0, 1.0), 1.0); // a tile's middle
         assert_int_equal(lod_update(b.lod, &view, jobs, b.frame, &b.cut), RESULT_BUDGET);
         support_check_cut(terrain, &b.cut, jobs, "no budget");
         print_message("%s: %" PRId64 " triangles, reached %.3g px\n", lod_method_name(METHODS[i % 2]),

@@ -10,8 +10,9 @@
 #define LOWER_MOST 4.0
 // While the view moves, each try that fails doubles the frames until the next one, up to this.
 #define PATIENCE_MAX 16
-// So many counts in one frame that do not fall: perhaps none ever does.
+// So many counts in one frame that fall by less than a share: perhaps none ever falls enough.
 #define STALLS_MAX 3
+#define SHARE 16
 
 static bool is_same_view(const Budget *b, const LodView *view) {
     return b->eye_ecef.x == view->eye_ecef.x && b->eye_ecef.y == view->eye_ecef.y &&
@@ -50,7 +51,7 @@ static double raised(const Budget *b, double tau_px, int64_t triangles) {
 
 static double lowered(const Budget *b, double asked_px, double tau_px, int64_t triangles) {
     double step = step_of((double)b->max_triangles, fmax((double)triangles, 1.0));
-    step = b->wait || b->overflow_px > 0.0 ? LOWER : fmin(fmax(step, LOWER), LOWER_MOST);
+    step = b->overflow_px > 0.0 ? LOWER : fmin(fmax(step, LOWER), LOWER_MOST);
     return fmax(asked_px, tau_px / step);
 }
 
@@ -109,7 +110,7 @@ static Result try_at(Search *s, double tau_px) {
     Result result = s->refine(s->user, tau_px, &s->cut->stats);
     int64_t before = s->triangles;
     s->triangles = result == RESULT_BUDGET ? INT64_MAX : s->cut->stats.triangles;
-    s->stalls = s->triangles >= before ? s->stalls + 1 : 0;
+    s->stalls = s->triangles >= before - before / SHARE ? s->stalls + 1 : 0;
     s->tau_px = tau_px;
     return result == RESULT_BUDGET ? RESULT_OK : result;
 }
@@ -119,15 +120,14 @@ static bool is_done(const Search *s) {
     return s->triangles <= b->max_triangles || s->triangles <= b->floor || s->tau_px > BUDGET_COARSEST_PX;
 }
 
-// Not even the coarsest cut keeps the budget: the first tolerance that saves as much as the coarsest does.
+// Not even the coarsest cut keeps the budget: the first tolerance whose cut takes little more.
 static Result settle_at_floor(Search *s, double tau_px) {
     Budget *b = s->budget;
-    b->floor = s->triangles;
-    Result result;
-    do {
-        result = try_at(s, tau_px);
-        tau_px *= RAISE;
-    } while (result == RESULT_OK && !is_done(s));
+    b->floor = s->triangles + s->triangles / SHARE;
+    double step = RAISE; // grows, as the way may be long
+    Result result = try_at(s, tau_px);
+    for (; result == RESULT_OK && !is_done(s); step *= RAISE)
+        result = try_at(s, tau_px *= step);
     b->patience = b->wait = PATIENCE_MAX;
     return result;
 }

@@ -12,7 +12,7 @@ typedef struct Budget {
     double raised_px;   // where the next frame begins, above what is asked for; 0: not raised
     double fitted_px;   // the last raised tolerance that kept the budget; 0: none
     double overflow_px; // the greatest tolerance that did not, in this view; 0: none
-    int64_t floor;      // triangles that no tolerance takes away, where that is above the budget; 0: not known to be
+    int64_t floor;      // triangles, about what no tolerance takes away, where that is above the budget; 0: not known
     Vec3d eye_ecef;     // of the last frame, with px_per_rad: what the number of triangles depends on
     double px_per_rad;
     bool still;         // the view is that of the frame before
@@ -28,8 +28,8 @@ static inline bool budget_may_give_up(const Budget *budget, double tau_px) {
 typedef Result BudgetRefine(void *user, double tau_px, LodStats *stats);
 
 // Refines at the tolerance asked for, or, above the budget, at one that keeps it, found in this frame and the next
-// ones: a still view gets the one asked for where that fits. Where none keeps the budget, at one beyond which nothing
-// is saved. Fills the cut's stats and reached_px. BUDGET: reached_px is above the view's tolerance; other results are
+// ones: a still view gets the one asked for where that fits. Where none keeps the budget, at one beyond which little is
+// saved. Fills the cut's stats and reached_px. BUDGET: reached_px is above the view's tolerance; other results are
 // those of `refine`.
 MUST_USE Result budget_refine(Budget *budget, BudgetRefine *refine, void *user, LodCut *cut);
 
