@@ -95,7 +95,8 @@ static Result fit_targets(Renderer *renderer) {
     return result;
 }
 
-void render_tell_cut(const RenderResident *resident, LodCut *cut) {
+void render_tell_cut(const RenderResident *resident, bool partial, LodCut *cut) {
+    cut->promises = cut->promises && !partial;
     if (!resident->made)
         return;
     cut->reached_px = resident->reached_px;
@@ -130,9 +131,9 @@ static void end_view(Renderer *renderer, int index, RenderCutStats *stats) {
 // The packet as the display tells of it.
 static RenderPacket told_packet(const RenderPacket *packet, const RenderCutStats *left, const RenderCutStats *right) {
     RenderPacket told = *packet;
-    render_tell_cut(&left->resident, &told.cut);
+    render_tell_cut(&left->resident, left->partial, &told.cut);
     if (right)
-        render_tell_cut(&right->resident, &told.right);
+        render_tell_cut(&right->resident, right->partial, &told.right);
     return told;
 }
 
@@ -179,6 +180,7 @@ static RenderStats stats_of(const Renderer *renderer, const RenderCutStats *cut)
                          .evictions = cut->evictions,
                          .upload_ms = cut->upload_ms,
                          .draw_ms = cut->draw_ms,
+                         .partial = cut->partial,
                          .resident = cut->resident,
                          .vram_bytes = scene_vram_bytes(renderer->scene),
                          .software = renderer->software};

@@ -70,14 +70,16 @@ typedef struct RenderResident {
     double reached_px;                        // as LodCut has it; INFINITY: triangles are left out for lack of room
     double evaluate_ms, close_ms, indices_ms; // the phases of terrain/diamond
 } RenderResident;
-// The cut with the numbers that only the renderer knows, where it made it.
-void render_tell_cut(const RenderResident *resident, LodCut *cut);
+// The cut with what only the renderer knows: the numbers where it made it; that nothing is promised where it was not
+// drawn whole.
+void render_tell_cut(const RenderResident *resident, bool partial, LodCut *cut);
 
 // Of one cut.
 typedef struct RenderCutStats {
     int64_t draws, triangles_drawn, patches_drawn; // after view culling
     int64_t upload_bytes, evictions;
     double upload_ms, draw_ms; // draw_ms by glFinish and the clock on a software renderer, else timer queries
+    bool partial; // it did not fit into the patch cache: its nearest patches were drawn, or an earlier cut's
     RenderResident resident;
 } RenderCutStats;
 
@@ -88,7 +90,7 @@ typedef struct RenderStats {
     int64_t vram_bytes;        // in use in the patch cache, and by resident cuts
     double upload_ms, draw_ms; // draw_ms by glFinish and the clock on a software renderer, else timer queries. Of a
                                // whole picture with the head-up display, of half a picture without
-    bool software;
+    bool software, partial;
     RenderResident resident;
     RenderCutStats right; // zeros where the picture is not split
 } RenderStats;

@@ -58,6 +58,7 @@ struct TerrainPass {
     int64_t triangles;
     double noise_repeats[2]; // per column and row
     uint64_t placed_last;    // patch_cache_last_placed of `placed`
+    bool partial;            // what is placed is not all that is in view of the cut
     bool over_budget;        // and it has been said
 };
 
@@ -233,6 +234,7 @@ static Result place_items(TerrainPass *pass, PatchCache *cache, const Ground *gr
 static Result place_cut(TerrainPass *pass, PatchCache *cache, const Frame *frame, const Ground *ground,
                         const LodCut *cut) {
     Result result = place_items(pass, cache, ground, cut->items, cut->item_count);
+    pass->partial = false;
     if (result != RESULT_BUDGET) {
         pass->over_budget = false;
         return result;
@@ -243,6 +245,7 @@ static Result place_cut(TerrainPass *pass, PatchCache *cache, const Frame *frame
         warn_over_budget(pass, cache, cut, "only what is in view");
         return result;
     }
+    pass->partial = true;
     if (pass->placed_count && pass->placed_last == patch_cache_last_placed(cache)) { // nobody else placed since
         warn_over_budget(pass, cache, cut, "the last cut that fitted");
         patch_cache_keep_last(cache);
@@ -340,4 +343,5 @@ void terrain_pass_count(const TerrainPass *pass, RenderCutStats *stats) {
     stats->draws = (pass->dry_count > 0) + (pass->visible_count > pass->dry_count);
     stats->patches_drawn = pass->visible_count;
     stats->triangles_drawn = pass->triangles;
+    stats->partial = pass->partial;
 }

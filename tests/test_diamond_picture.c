@@ -117,7 +117,7 @@ static LodCut draw(Stage *stage, int which, RenderPacket *packet, double tau_px)
     assert_int_equal(render_frame(stage->renderer, packet, &stage->stats), RESULT_OK);
     assert_int_equal(render_read_pixels(stage->renderer, stage->rgb[which]), RESULT_OK);
     LodCut cut = packet->cut;
-    render_tell_cut(&stage->stats.resident, &cut);
+    render_tell_cut(&stage->stats.resident, stage->stats.partial, &cut);
     lod_release(stage->lods[which], cut.frame);
     arena_reset(stage->arena);
     return cut;

@@ -232,8 +232,10 @@ static void a_cut_too_large_for_the_memory_leaves_the_last_one(void **state) {
     assert_int_equal(heard.warnings, 1);
     assert_non_null(strstr(heard.text, "limit"));
     assert_int_equal(stage.stats.patches_drawn, patches);
+    assert_true(stage.stats.partial);
     assert_memory_equal(before, stage.rgb, BYTES);
     draw(&stage, &packet, 100.0); // and recovers
+    assert_false(stage.stats.partial);
     assert_memory_not_equal(before, stage.rgb, BYTES);
     free(before);
     stage_end(&stage);
@@ -253,6 +255,7 @@ static void what_is_in_view_is_enough(void **state) {
         draw(&plenty, &packet, 1.5);
         draw(&small, &packet, 1.5);
         assert_memory_equal(plenty.rgb, small.rgb, BYTES);
+        assert_false(small.stats.partial);
     }
     heard_end();
     print_message("%s", heard.text);
@@ -274,7 +277,10 @@ static void a_first_cut_too_large_is_drawn_in_part(void **state) {
     heard_end();
     print_message("%lld patches drawn; said: %s", (long long)stage.stats.patches_drawn, heard.text);
     assert_int_equal(heard.warnings, 1);
-    assert_true(stage.stats.patches_drawn > 0);
+    assert_true(stage.stats.patches_drawn > 0 && stage.stats.partial);
+    LodCut told = {.promises = true};
+    render_tell_cut(&stage.stats.resident, stage.stats.partial, &told);
+    assert_false(told.promises);
     stage_end(&stage);
 }
 

@@ -26,9 +26,9 @@ static void add_frame_time(PipelineCounts *counts, int64_t now_ns) {
         stats->frame_p99_ms = frame_times_summary(&counts->frame, RECENT_FRAMES).p99;
 }
 
-static LodCut told_cut(const LodCut *cut, const RenderResident *resident) {
+static LodCut told_cut(const LodCut *cut, const RenderResident *resident, bool partial) {
     LodCut told = *cut;
-    render_tell_cut(resident, &told);
+    render_tell_cut(resident, partial, &told);
     return told;
 }
 
@@ -38,7 +38,7 @@ static void add_creation(PipelineStats *stats, const RenderResident *resident) {
 }
 
 static void add_right(PipelineCounts *counts, const LodCut *right, LodMethod method, const RenderCutStats *render) {
-    const LodCut cut = told_cut(right, &render->resident);
+    const LodCut cut = told_cut(right, &render->resident, render->partial);
     counts->stats.right = cut_of(&cut, method);
     counts->stats.frames_split++;
     counts->stats.frames_by_method[method]++;
@@ -51,7 +51,7 @@ static void add_right(PipelineCounts *counts, const LodCut *right, LodMethod met
 void pipeline_counts_add(PipelineCounts *counts, const RenderPacket *packet, const LodMethod methods[METHODS_HALVES],
                          const RenderStats *render, int64_t now_ns) {
     PipelineStats *stats = &counts->stats;
-    const LodCut cut = told_cut(&packet->cut, &render->resident);
+    const LodCut cut = told_cut(&packet->cut, &render->resident, render->partial);
     stats->frames++;
     add_frame_time(counts, now_ns);
     stats->cut = cut_of(&cut, methods[0]);
