@@ -57,7 +57,7 @@ typedef struct Report {
     char renderer[160]; // ""; nothing was drawn
     int threads;
     bool quick;
-    double wall_s, load; // the load average of the minute before
+    double wall_s, load;  // the load average of the minute before
     ReportNotes set_up;   // what ours was run on
     ReportNotes left_out; // of the full experiment
     ReportTable tables[REPORT_TABLES_MAX];

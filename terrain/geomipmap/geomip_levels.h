@@ -9,8 +9,8 @@
 #define GEOMIP_LEVEL 256
 
 typedef struct GeomipRule {
-    bool ye;     // the level rule and the morph of Ye, Wang; false: de Boer's
-    bool bounds; // every sample within the tolerance; the tiles have been created with bounds
+    bool ye;       // the level rule and the morph of Ye, Wang; false: de Boer's
+    bool bounds;   // every sample within the tolerance; the tiles have been created with bounds
     double unit_m; // of length, whose choice Ye's rule depends on
 } GeomipRule;
 
