@@ -7,6 +7,11 @@
 #define FOREST_SIDE_MAX 2048 // cells
 #define FOREST_LEVEL_MAX 11  // log2 of it
 
+// Of a power of two, as all sides and steps are.
+static inline int forest_log2(int power) {
+    return __builtin_ctz((unsigned)power);
+}
+
 typedef struct ForestTile {
     int32_t col, row; // of the north-west corner
     int32_t side;     // 2^k cells

@@ -31,6 +31,11 @@ GridPoint grid_lattice(const Grid *grid, int col, int row, double h_m);
 static inline Vec3d grid_point_ecef(GridPoint p) {
     return (Vec3d){(double)p.x * GRID_LATTICE_M, (double)p.y * GRID_LATTICE_M, (double)p.z * GRID_LATTICE_M};
 }
+// Towards zero, to whole metres: the origin of a page near by. Pages of one neighbourhood may share one, none needs to.
+static inline GridPoint grid_whole_metres(GridPoint p) {
+    return (GridPoint){p.x / GRID_LATTICE_PER_M * GRID_LATTICE_PER_M, p.y / GRID_LATTICE_PER_M * GRID_LATTICE_PER_M,
+                       p.z / GRID_LATTICE_PER_M * GRID_LATTICE_PER_M};
+}
 
 // Degrees of a fractional grid position (longitude -180..180; NaN outside the projection's domain), and back;
 // longitudes are taken modulo 360 towards the DEM's middle. False outside the projection's domain; the result may

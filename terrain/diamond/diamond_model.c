@@ -82,13 +82,8 @@ static bool allocate_positions(Positions *positions, const DiamondLayout *layout
 
 // ---- positions ----
 
-static GridPoint point_at(const Terrain *terrain, int col, int row) {
-    float h = terrain->dem->height_m[(size_t)row * (size_t)terrain->dem->width + (size_t)col];
-    return grid_lattice(terrain->grid, col, row, (double)h);
-}
-
 static Vec3d middle_of(const Terrain *terrain) {
-    Vec3d p = grid_point_ecef(point_at(terrain, terrain->dem->width / 2, terrain->dem->height / 2));
+    Vec3d p = grid_point_ecef(terrain_point(terrain, terrain->dem->width / 2, terrain->dem->height / 2));
     return vec3d(floor(p.x), floor(p.y), floor(p.z));
 }
 
@@ -99,7 +94,7 @@ static void position_task(void *user, int64_t begin, int64_t end, int worker) {
     for (int32_t row = (int32_t)begin; row < end; row++) {
         size_t at = (size_t)row * (size_t)model->layout.width;
         for (int32_t col = 0; col < model->layout.width; col++, at++) {
-            Vec3d p = vec3d_sub(grid_point_ecef(point_at(model->terrain, col, row)), model->origin_ecef);
+            Vec3d p = vec3d_sub(grid_point_ecef(terrain_point(model->terrain, col, row)), model->origin_ecef);
             m->positions.x[at] = (float)p.x;
             m->positions.y[at] = (float)p.y;
             m->positions.z[at] = (float)p.z;

@@ -9,10 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int log2_of(int power) {
-    return __builtin_ctz((unsigned)power);
-}
-
 // ---- trees ----
 
 static uint16_t page_vertex(PatchCorner corner, int col0, int cells) {
@@ -139,7 +135,7 @@ DiamondSurvey diamond_squares_survey(const DiamondSquares *squares, int32_t squa
                                      const uint32_t *before) {
     const ForestTile *tile = &squares->grid->squares[square];
     DiamondSurvey survey = {.stride = tile->side, .triangles = 2, .vertices = 4, .changed = !before};
-    for (int plane = log2_of(tile->side) - 1; plane >= 0; plane--) {
+    for (int plane = forest_log2(tile->side) - 1; plane >= 0; plane--) {
         Tally tally = survey_plane(squares, tile, plane, bits, before);
         if (tally.inside + tally.border > 0)
             survey.stride = 1 << plane;
@@ -190,7 +186,7 @@ static uint16_t *emit_tree(const DiamondSquareTree *tree, const uint8_t *active,
 void diamond_squares_emit(const DiamondSquares *squares, int32_t square, int32_t stride, const uint32_t *bits,
                           uint16_t *indices) {
     const ForestTile *tile = &squares->grid->squares[square];
-    int finest = log2_of(stride), shift = log2_of(tile->side) - finest, across = (1 << shift) + 1;
+    int finest = forest_log2(stride), shift = forest_log2(tile->side) - finest, across = (1 << shift) + 1;
     uint8_t active[DIAMOND_SQUARE_VERTICES];
     memset(active, 0, (size_t)(across * across));
     for (int plane = finest; 1 << plane < tile->side; plane++) {

@@ -17,10 +17,6 @@ static void put(Writer *w, int a, int b, int c) {
     *w->out++ = (uint16_t)c;
 }
 
-static int log2_of(int power) {
-    return __builtin_ctz((unsigned)power);
-}
-
 // ---- size and outline ----
 
 GeomipSize geomip_mesh_size(const GeomipTiles *tiles, const int16_t *drawn, int32_t tile, GeomipBorder border) {
@@ -28,7 +24,7 @@ GeomipSize geomip_mesh_size(const GeomipTiles *tiles, const int16_t *drawn, int3
     for (int32_t k = tiles->tiles[tile].first_link; k < tiles->tiles[tile + 1].first_link; k++) {
         const GeomipLink *link = &tiles->links[k];
         int stride = geomip_border_stride(border, own, geomip_level_beyond(drawn, link, own));
-        points += (link->end - link->begin) >> log2_of(stride);
+        points += (link->end - link->begin) >> forest_log2(stride);
     }
     int more = points > 4 * cells ? points - 4 * cells : 0, grid = (cells + 1) * (cells + 1);
     if (cells == 1)
@@ -37,7 +33,7 @@ GeomipSize geomip_mesh_size(const GeomipTiles *tiles, const int16_t *drawn, int3
 }
 
 static int grid_vertex(const GeomipOutline *o, int side, int t, int depth) {
-    int col, row, shift = log2_of(o->stride);
+    int col, row, shift = forest_log2(o->stride);
     geomip_turn(o->side, side, t, depth, &col, &row);
     return (row >> shift) * o->across + (col >> shift);
 }

@@ -87,11 +87,7 @@ typedef struct Filling {
 } Filling;
 
 static GridPoint sample_at(const Filling *f, int col, int row) {
-    const Terrain *terrain = f->tiles->terrain;
-    col += f->square->col;
-    row += f->square->row;
-    float h = terrain->dem->height_m[(size_t)row * (size_t)terrain->dem->width + (size_t)col];
-    return grid_lattice(terrain->grid, col, row, (double)h);
+    return terrain_point(f->tiles->terrain, f->square->col + col, f->square->row + row);
 }
 
 static int64_t weigh(int64_t a, int64_t b, int part, int shift) { // a + (b - a) part / 2^shift, rounded
@@ -202,10 +198,6 @@ static void fill_star(Filling *f) {
     set_vertex(f, o->vertex_count - 1, o->side / 2, o->side / 2, between(a, b, 1, 1));
 }
 
-static int64_t whole_metres(int64_t lattice) {
-    return lattice / GRID_LATTICE_PER_M * GRID_LATTICE_PER_M;
-}
-
 static void fill_sphere(GeomipPage *page, const Filling *f) {
     page->centre_ecef = grid_point_ecef(f->origin);
     page->radius_m = 0.0;
@@ -220,7 +212,7 @@ void geomip_page_fill(GeomipPage *page, const GeomipTiles *tiles, const int16_t 
     const ForestTile *square = &tiles->squares.squares[tile];
     Filling f = {tiles, square, outline, (LodVertex *)(uintptr_t)page->shown.vertices, {0}};
     GridPoint middle = sample_at(&f, square->side / 2, square->side / 2);
-    f.origin = (GridPoint){whole_metres(middle.x), whole_metres(middle.y), whole_metres(middle.z)};
+    f.origin = grid_whole_metres(middle);
     page->shown.origin = f.origin;
     page->shown.col0 = square->col;
     page->shown.row0 = square->row;

@@ -87,17 +87,12 @@ static int cap_of(const GeomipTiles *tiles, int32_t tile) {
 
 // ---- places ----
 
-static Vec3d sample_ecef(const Terrain *terrain, int col, int row) {
-    const Dem *dem = terrain->dem;
-    return grid_ecef(terrain->grid, col, row, (double)dem->height_m[(size_t)row * (size_t)dem->width + (size_t)col]);
-}
-
 static Vec3d centre_of(const Terrain *terrain, const ForestTile *square) {
     int half = square->side / 2;
     if (half)
-        return sample_ecef(terrain, square->col + half, square->row + half);
-    return vec3d_scale(vec3d_add(sample_ecef(terrain, square->col, square->row),
-                                 sample_ecef(terrain, square->col + 1, square->row + 1)),
+        return terrain_ecef(terrain, square->col + half, square->row + half);
+    return vec3d_scale(vec3d_add(terrain_ecef(terrain, square->col, square->row),
+                                 terrain_ecef(terrain, square->col + 1, square->row + 1)),
                        0.5);
 }
 
@@ -106,7 +101,7 @@ static void fill_box(const Terrain *terrain, const ForestTile *square, GeomipTil
     double low[3] = {0}, high[3] = {0};
     for (int row = square->row; row <= square->row + square->side; row++) {
         for (int col = square->col; col <= square->col + square->side; col++) {
-            Vec3d p = vec3d_sub(sample_ecef(terrain, col, row), tile->centre_ecef);
+            Vec3d p = vec3d_sub(terrain_ecef(terrain, col, row), tile->centre_ecef);
             for (int k = 0; k < 3; k++) {
                 double x = vec3d_dot(p, frame.axis[k]);
                 low[k] = x < low[k] ? x : low[k];

@@ -138,10 +138,8 @@ static double predicted_work(const Node *node) {
 }
 
 static Vec3d patch_middle(const Update *u, const PatchChoice *choice) {
-    const Terrain *terrain = u->h->terrain;
     PatchCorner c = patch_triangle_middle(&choice->triangle);
-    float h = terrain->dem->height_m[(size_t)c.row * (size_t)terrain->dem->width + (size_t)c.col];
-    return grid_ecef(terrain->grid, c.col, c.row, (double)h);
+    return terrain_ecef(u->h->terrain, c.col, c.row);
 }
 
 static Result mark_stale(Update *u, const ObserverLine *line) {

@@ -14,9 +14,7 @@ typedef struct Near {
 } Near;
 
 static void meet_sample(Near *n, PatchCorner c) {
-    const Dem *dem = n->terrain->dem;
-    float h = dem->height_m[(size_t)c.row * (size_t)dem->width + (size_t)c.col];
-    Vec3d position = grid_point_ecef(grid_lattice(n->terrain->grid, c.col, c.row, (double)h));
+    Vec3d position = grid_point_ecef(terrain_point(n->terrain, c.col, c.row));
     n->best_m = fmin(n->best_m, vec3d_distance(position, n->eye));
 }
 

@@ -14,10 +14,6 @@ typedef struct Place {
     int32_t col, row;
 } Place;
 
-static int log2_of(int power) {
-    return __builtin_ctz((unsigned)power);
-}
-
 static int step_log2(Place p) {
     return __builtin_ctz((unsigned)(p.col | p.row) | 1u << FOREST_LEVEL_MAX);
 }
@@ -89,7 +85,7 @@ void seam_activate(PatchSeam *seam, int32_t col, int32_t row) {
 }
 
 static uint8_t *split_at(const PatchSeam *seam, Place p) {
-    int k = step_log2(p), plane = k - log2_of(seam->side);
+    int k = step_log2(p), plane = k - forest_log2(seam->side);
     return &seam->split[plane][seam_plane_entry(seam, plane, p.col, p.row)];
 }
 
@@ -97,7 +93,7 @@ static void split(PatchSeam *seam, Place p) {
     uint8_t *bit = split_at(seam, p);
     int k = step_log2(p);
     if (!*bit)
-        add(seam, &seam->patches[2 * (k - log2_of(seam->side)) + is_centre(p, k)], (int32_t)sample_of(seam, p));
+        add(seam, &seam->patches[2 * (k - forest_log2(seam->side)) + is_centre(p, k)], (int32_t)sample_of(seam, p));
     *bit = 1;
 }
 
@@ -214,7 +210,7 @@ bool seam_is_static(const PatchSeam *seam, const ForestTile *tile) {
 
 static bool view_splits(const Asking *asking, PatchCorner middle) {
     const PatchSeam *seam = asking->seam;
-    int k = step_log2((Place){middle.col, middle.row}), plane = k - log2_of(seam->side);
+    int k = step_log2((Place){middle.col, middle.row}), plane = k - forest_log2(seam->side);
     const PatchVertex *vertex = patch_forest_vertex(&seam->terrain->patches, middle);
     const SeamSphere *sphere = &seam->spheres[plane][seam_plane_entry(seam, plane, middle.col, middle.row)];
     return 1 << k > seam->widest_step ||

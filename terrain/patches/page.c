@@ -111,22 +111,12 @@ void page_store_give_back(PageStore *store, Page *page) {
     *slot = page;
 }
 
-// Towards zero, to whole metres: pages of one neighbourhood may share an origin, none needs to.
-static int64_t whole_metres(int64_t lattice) {
-    return lattice / GRID_LATTICE_PER_M * GRID_LATTICE_PER_M;
-}
-
 static PatchCorner vertex_corner(const PatchTemplate *patch, const PatchTriangle *t, int v) {
     int i = patch->position[v][0], j = patch->position[v][1], side = patch->side;
     return (PatchCorner){
         t->apex.col + (i * (t->left.col - t->apex.col) + j * (t->right.col - t->apex.col)) / side,
         t->apex.row + (i * (t->left.row - t->apex.row) + j * (t->right.row - t->apex.row)) / side,
     };
-}
-
-static GridPoint point_at(const Terrain *terrain, PatchCorner c) {
-    float h = terrain->dem->height_m[(size_t)c.row * (size_t)terrain->dem->width + (size_t)c.col];
-    return grid_lattice(terrain->grid, c.col, c.row, (double)h);
 }
 
 static int least(int a, int b) {
@@ -146,15 +136,15 @@ static void fill_sphere(Page *page) {
 
 void page_fill(Page *page, const Terrain *terrain, const PatchTriangle *t) {
     PatchCorner middle = patch_triangle_middle(t);
-    GridPoint centre = point_at(terrain, middle);
+    GridPoint centre = terrain_point(terrain, middle.col, middle.row);
     LodPage *shown = &page->shown;
     LodVertex *vertices = (LodVertex *)(uintptr_t)shown->vertices; // the store's own memory
-    shown->origin = (GridPoint){whole_metres(centre.x), whole_metres(centre.y), whole_metres(centre.z)};
+    shown->origin = grid_whole_metres(centre);
     shown->col0 = least(t->apex.col, least(t->left.col, t->right.col));
     shown->row0 = least(t->apex.row, least(t->left.row, t->right.row));
     for (int v = 0; v < shown->vertex_count; v++) {
         PatchCorner c = vertex_corner(page->patch, t, v);
-        GridPoint p = point_at(terrain, c);
+        GridPoint p = terrain_point(terrain, c.col, c.row);
         ErrorCodes codes = error_field_at(&terrain->errors, c.col, c.row);
         page->x[v] = (int32_t)(p.x - shown->origin.x);
         page->y[v] = (int32_t)(p.y - shown->origin.y);

@@ -4,10 +4,6 @@
 
 #include <stdlib.h>
 
-static int log2_of(int power) {
-    return __builtin_ctz((unsigned)power);
-}
-
 PatchTriangle patch_forest_root(const ForestTile *tile, int root) {
     PatchCorner nw = {tile->col, tile->row}, se = {tile->col + tile->side, tile->row + tile->side};
     PatchCorner ne = {se.col, nw.row}, sw = {nw.col, se.row};
@@ -18,7 +14,7 @@ PatchTriangle patch_forest_root(const ForestTile *tile, int root) {
 
 const PatchVertex *patch_forest_vertex(const PatchForest *forest, PatchCorner middle) {
     int k = __builtin_ctz((unsigned)(middle.col | middle.row));
-    const PatchPlane *plane = &forest->planes[k - log2_of(forest->side)];
+    const PatchPlane *plane = &forest->planes[k - forest_log2(forest->side)];
     return &plane->vertices[(size_t)(middle.row >> k) * (size_t)plane->width + (size_t)(middle.col >> k)];
 }
 
@@ -28,7 +24,7 @@ static Result create_tiles(const PatchForestInput *input, PatchForest *out) {
     if (!out->tiles)
         return RESULT_MEMORY;
     for (int32_t i = 0; i < out->tile_count; i++) {
-        int log_side = log2_of(input->forest->tiles[i].side);
+        int log_side = forest_log2(input->forest->tiles[i].side);
         int half_depth = log_side < out->depth / 2 ? log_side : out->depth / 2;
         PatchTile tile = {.tile = input->forest->tiles[i], .template_index = half_depth, .first_node = out->node_count};
         tile.levels = 2 * (log_side - half_depth);
@@ -42,7 +38,7 @@ static Result create_tiles(const PatchForestInput *input, PatchForest *out) {
 }
 
 static Result create_planes(const PatchForestInput *input, PatchForest *out) {
-    for (int k = log2_of(out->side); k < input->errors->plane_count; k++, out->plane_count++) {
+    for (int k = forest_log2(out->side); k < input->errors->plane_count; k++, out->plane_count++) {
         PatchPlane *plane = &out->planes[out->plane_count];
         const ErrorPlane *errors = &input->errors->planes[k];
         *plane = (PatchPlane){.step = errors->step, .width = errors->width, .height = errors->height};

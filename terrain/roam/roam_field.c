@@ -23,18 +23,13 @@ void roam_field_destroy(RoamField *field) {
     *field = (RoamField){0};
 }
 
-static GridPoint point_at(const Terrain *terrain, int col, int row) {
-    float h = terrain->dem->height_m[(size_t)row * (size_t)terrain->dem->width + (size_t)col];
-    return grid_lattice(terrain->grid, col, row, (double)h);
-}
-
 static void fill_row(const RoamField *field, const RoamPatch *patch, const ForestTile *square, int j,
                      GridPoint origin) {
     RoamVertex *out = patch->vertices + (size_t)j * (size_t)patch->across;
     int row = square->row + (j << patch->shift);
     for (int i = 0; i < patch->across; i++) {
         int col = square->col + (i << patch->shift);
-        GridPoint p = point_at(field->terrain, col, row);
+        GridPoint p = terrain_point(field->terrain, col, row);
         ErrorCodes codes = error_field_at(&field->terrain->errors, col, row);
         out[i] = (RoamVertex){(int32_t)(p.x - origin.x), (int32_t)(p.y - origin.y), (int32_t)(p.z - origin.z),
                               codes.delta, codes.radius};
@@ -55,7 +50,7 @@ Result roam_field_deepen(RoamField *field, int32_t square, int level) {
     patch->across = (int16_t)across;
     patch->shift = (uint8_t)__builtin_ctz((unsigned)step);
     patch->level_end = (uint8_t)(level / 2 * 2 + 2); // two levels have vertices of one step
-    GridPoint origin = point_at(field->terrain, tile->col + tile->side / 2, tile->row + tile->side / 2);
+    GridPoint origin = terrain_point(field->terrain, tile->col + tile->side / 2, tile->row + tile->side / 2);
     patch->origin[0] = (double)origin.x;
     patch->origin[1] = (double)origin.y;
     patch->origin[2] = (double)origin.z;

@@ -14,8 +14,7 @@
 #define VERTEX_WORK 0.07
 
 static Vec3d place_of(const Terrain *terrain, int col, int row) {
-    float h = terrain->dem->height_m[(size_t)row * (size_t)terrain->dem->width + (size_t)col];
-    return grid_point_ecef(grid_lattice(terrain->grid, col, row, (double)h));
+    return grid_point_ecef(terrain_point(terrain, col, row));
 }
 
 Result roam_work_create(const RoamGround *ground, RoamWork *out) {

@@ -5,12 +5,8 @@
 
 #include <stdlib.h>
 
-static int log2_of(int power) {
-    return __builtin_ctz((unsigned)power);
-}
-
 static SquarePage **slot_of(const SquarePageStore *store, int32_t square, int stride) {
-    return &store->pages[(size_t)square * SQUARE_PAGE_STRIDES + (size_t)log2_of(stride)];
+    return &store->pages[(size_t)square * SQUARE_PAGE_STRIDES + (size_t)forest_log2(stride)];
 }
 
 static size_t page_bytes(int across) {
@@ -75,7 +71,7 @@ static SquarePage *allocate_page(int across) {
 
 static SquarePage *new_page(SquarePageStore *store, int32_t square, int stride) {
     int cells = store->grid->squares[square].side / stride;
-    SquarePage **list = &store->free_pages[log2_of(cells)];
+    SquarePage **list = &store->free_pages[forest_log2(cells)];
     SquarePage *page = *list;
     if (page)
         *list = page->next_free;
@@ -113,19 +109,10 @@ void square_page_evict(SquarePageStore *store, uint64_t released, size_t bytes_m
         list_remove(store, page);
         store->bytes -= page_bytes(page->across);
         *slot_of(store, page->square, page->stride) = NULL;
-        SquarePage **list = &store->free_pages[log2_of(page->across - 1)];
+        SquarePage **list = &store->free_pages[forest_log2(page->across - 1)];
         page->next_free = *list;
         *list = page;
     }
-}
-
-static GridPoint point_at(const Terrain *terrain, int col, int row) {
-    float h = terrain->dem->height_m[(size_t)row * (size_t)terrain->dem->width + (size_t)col];
-    return grid_lattice(terrain->grid, col, row, (double)h);
-}
-
-static int64_t whole_metres(int64_t lattice) {
-    return lattice / GRID_LATTICE_PER_M * GRID_LATTICE_PER_M;
 }
 
 static double reach_of(const SquarePage *page, const LodVertex *v) {
@@ -137,15 +124,15 @@ void square_page_fill(SquarePage *page, const SquareGrid *grid, const Terrain *t
     const ForestTile *square = &grid->squares[page->square];
     LodPage *shown = &page->shown;
     LodVertex *vertices = (LodVertex *)(uintptr_t)shown->vertices; // the store's own memory
-    GridPoint centre = point_at(terrain, square->col + square->side / 2, square->row + square->side / 2);
-    shown->origin = (GridPoint){whole_metres(centre.x), whole_metres(centre.y), whole_metres(centre.z)};
+    GridPoint centre = terrain_point(terrain, square->col + square->side / 2, square->row + square->side / 2);
+    shown->origin = grid_whole_metres(centre);
     shown->col0 = square->col;
     shown->row0 = square->row;
     page->centre_ecef = grid_point_ecef(centre);
     page->radius_m = 0.0;
     for (int v = 0; v < shown->vertex_count; v++) {
         int col = v % page->across * page->stride, row = v / page->across * page->stride;
-        GridPoint p = point_at(terrain, square->col + col, square->row + row);
+        GridPoint p = terrain_point(terrain, square->col + col, square->row + row);
         vertices[v] = (LodVertex){(int32_t)(p.x - shown->origin.x), (int32_t)(p.y - shown->origin.y),
                                   (int32_t)(p.z - shown->origin.z), (uint16_t)col, (uint16_t)row};
         double reach = reach_of(page, &vertices[v]) * (1.0 + 1e-12);
