@@ -389,6 +389,21 @@ static void the_tatra_have_the_twins_bits(void **state) {
     check_real("tatra_srtm3_2401.tif", 0);
 }
 
+static void central_europe_has_the_twins_bits(void **state) {
+    (void)state;
+    check_real("ce_srtm3_4801.tif", 0);
+}
+
+static void maui_in_degrees_has_the_twins_bits(void **state) {
+    (void)state;
+    check_real("maui_srtm1_2049.tif", 0);
+}
+
+static void mount_washington_has_the_twins_bits(void **state) {
+    (void)state;
+    check_real("N44W072.hgt", ALL_FIELDS);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(awkward_sizes_have_the_twins_bits),
@@ -403,6 +418,9 @@ int main(void) {
         cmocka_unit_test(puget_sound_has_the_twins_bits),
         cmocka_unit_test(maui_has_the_twins_bits),
         cmocka_unit_test(the_tatra_have_the_twins_bits),
+        cmocka_unit_test(central_europe_has_the_twins_bits),
+        cmocka_unit_test(maui_in_degrees_has_the_twins_bits),
+        cmocka_unit_test(mount_washington_has_the_twins_bits),
     };
     Context *context = NULL;
     if (!gl_support_begin(16, 16, &context))
