@@ -39,6 +39,13 @@ double reproduce_px_per_rad(int height_px) {
     return height_px / (2.0 * tan(0.5 * REPRODUCE_FOV_DEG * GEODESY_RAD_PER_DEG));
 }
 
+Result reproduce_terrain(const Reproduce *run, SiteGround ground, int side, Circuit *circuit, Terrain **out) {
+    Result result = site_make_terrain(&run->site, ground, side, TERRAIN_ERROR_TOTAL, run->all, out);
+    if (result == RESULT_OK)
+        circuit_plan(*out, REPRODUCE_HEIGHT_M, circuit);
+    return result;
+}
+
 Result reproduce_draw(Reproduce *run, Race *race, const Circuit *circuit, int width, int height, double tau_px,
                       double part, double step) {
     Viewpoint views[DRAWN_VIEWS];

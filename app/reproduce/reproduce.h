@@ -44,6 +44,8 @@ double reproduce_seconds(Reproduce *run, const char *what, double full, double q
 // Of one method, refined without a bound on triangles.
 LodOptions reproduce_lod_options(LodMethod method);
 double reproduce_px_per_rad(int height_px);
+// A ground of a size with total errors, and the circuit over it. The caller destroys the terrain.
+MUST_USE Result reproduce_terrain(const Reproduce *run, SiteGround ground, int side, Circuit *circuit, Terrain **out);
 // Draws a few views from `part` of the circuit on, `step` apart; nothing without a context.
 MUST_USE Result reproduce_draw(Reproduce *run, Race *race, const Circuit *circuit, int width, int height, double tau_px,
                                double part, double step);

@@ -207,13 +207,10 @@ static Result fly_levels(Flight *flight, ReportTable *table) {
 }
 
 static Result fly_terrain(Flight *flight, ReportTable *table) {
-    Reproduce *run = flight->run;
     Terrain *terrain = NULL;
-    Result result =
-        site_make_terrain(&run->site, flight->ground, flight->side, TERRAIN_ERROR_TOTAL, run->all, &terrain);
+    Result result = reproduce_terrain(flight->run, flight->ground, flight->side, &flight->circuit, &terrain);
     if (result != RESULT_OK)
         return result;
-    circuit_plan(terrain, REPRODUCE_HEIGHT_M, &flight->circuit);
     result = fly_levels(flight, table);
     terrain_destroy(&terrain);
     return result;

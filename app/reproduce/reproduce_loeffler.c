@@ -150,12 +150,9 @@ static Result fly_tau(Flight *flight, double tau_px, ReportTable *table) {
 }
 
 static Result fly_terrain(Flight *flight, ReportTable *table) {
-    Reproduce *run = flight->run;
-    Result result =
-        site_make_terrain(&run->site, flight->ground, flight->side, TERRAIN_ERROR_TOTAL, run->all, &flight->terrain);
+    Result result = reproduce_terrain(flight->run, flight->ground, flight->side, &flight->circuit, &flight->terrain);
     if (result != RESULT_OK)
         return result;
-    circuit_plan(flight->terrain, REPRODUCE_HEIGHT_M, &flight->circuit);
     for (size_t i = 0; i < COUNT_OF(TAUS_PX) && result == RESULT_OK; i++)
         result = fly_tau(flight, TAUS_PX[i], table);
     terrain_destroy(&flight->terrain);

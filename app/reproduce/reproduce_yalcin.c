@@ -222,11 +222,9 @@ static Result draw(Flight *flight, ReportTable *table) {
 static Result fly_terrain(Flight *flight, ReportTable *table) {
     Reproduce *run = flight->run;
     DiamondModel model = {0};
-    Result result =
-        site_make_terrain(&run->site, flight->ground, flight->side, TERRAIN_ERROR_TOTAL, run->all, &flight->terrain);
+    Result result = reproduce_terrain(run, flight->ground, flight->side, &flight->circuit, &flight->terrain);
     if (result != RESULT_OK)
         return result;
-    circuit_plan(flight->terrain, REPRODUCE_HEIGHT_M, &flight->circuit);
     result = diamond_model_create(flight->terrain, 0, 1, run->all, &model);
     if (result == RESULT_OK)
         result = time_model(flight, &model, table);
