@@ -18,6 +18,7 @@ static void run_end(MeasureRun *run) {
     free(run->workers);
     free(run->first_ordinal);
     free((void *)run->cells);
+    free((void *)run->rises);
     free((void *)run->errors);
     free((void *)run->vertices);
 }
@@ -56,7 +57,7 @@ static Result create_workers(MeasureRun *run, int count) {
     return RESULT_OK;
 }
 
-static Result run_begin(MeasureRun *run, int workers) {
+static Result run_begin(MeasureRun *run, const MeasureMaps *maps, int workers) {
     const Dem *dem = run->dem;
     run->samples = (int64_t)dem->width * dem->height;
     run->cell_count = (int64_t)(dem->width - 1) * (dem->height - 1);
@@ -64,7 +65,9 @@ static Result run_begin(MeasureRun *run, int workers) {
     run->errors = malloc((size_t)run->samples * sizeof *run->errors);
     run->cells = calloc((size_t)run->cell_count, sizeof *run->cells);
     run->first_ordinal = malloc(sizeof *run->first_ordinal * (size_t)(run->cut->item_count + 1));
-    if (!run->vertices || !run->errors || !run->cells || !run->first_ordinal)
+    if (maps->rise_m)
+        run->rises = calloc((size_t)run->samples, sizeof *run->rises); // MEASURE_NO_KEY
+    if (!run->vertices || !run->errors || !run->cells || !run->first_ordinal || (maps->rise_m && !run->rises))
         return RESULT_MEMORY;
     memset((void *)run->errors, 0xff, (size_t)run->samples * sizeof *run->errors); // MEASURE_NOT_COVERED
     Result result = number_vertices(run);
@@ -206,23 +209,47 @@ static Result join(const MeasureRun *run, Measure *out) {
     return result == RESULT_OK ? percentile(run, out->samples, 0.99, &out->p99_px) : result;
 }
 
+// ---- maps ----
+
+// MEASURE_NOT_COVERED is a NaN already.
+static void fill_maps(const MeasureRun *run, const MeasureMaps *maps) {
+    for (int64_t i = 0; i < run->samples && maps->error_px; i++)
+        maps->error_px[i] = float_from_bits(atomic_load_explicit(&run->errors[i], memory_order_relaxed));
+    for (int64_t i = 0; i < run->samples && maps->rise_m; i++) {
+        uint32_t key = atomic_load_explicit(&run->rises[i], memory_order_relaxed);
+        maps->rise_m[i] = key == MEASURE_NO_KEY ? NAN : measure_value_of_key(key);
+    }
+}
+
+static Result measure(MeasureRun *run, Jobs *jobs, const MeasureMaps *maps, Measure *out) {
+    Measure found = {0};
+    Result result = run_begin(run, maps, jobs_worker_count(jobs));
+    if (result == RESULT_OK) {
+        jobs_run(jobs, run->cut->item_count, 1, task_mark, run);
+        jobs_run(jobs, run->cut->item_count, 1, task_measure, run);
+        result = join(run, &found);
+    }
+    if (result == RESULT_OK) {
+        fill_maps(run, maps);
+        *out = found;
+    }
+    run_end(run);
+    if (result == RESULT_MEMORY)
+        log_error("measure: no memory for %d x %d samples; measure a smaller DEM", run->dem->width, run->dem->height);
+    return result;
+}
+
 Result measure_cut_of(const Dem *dem, const Grid *grid, const LodCut *cut, Jobs *jobs, Measure *out) {
     MeasureRun run = {.dem = dem, .grid = grid, .cut = cut};
-    Measure measure = {0};
-    Result result = run_begin(&run, jobs_worker_count(jobs));
-    if (result == RESULT_OK) {
-        jobs_run(jobs, cut->item_count, 1, task_mark, &run);
-        jobs_run(jobs, cut->item_count, 1, task_measure, &run);
-        result = join(&run, &measure);
-    }
-    run_end(&run);
-    if (result == RESULT_MEMORY)
-        log_error("measure: no memory for %d x %d samples; measure a smaller DEM", dem->width, dem->height);
-    if (result == RESULT_OK)
-        *out = measure;
-    return result;
+    const MeasureMaps none = {0};
+    return measure(&run, jobs, &none, out);
 }
 
 Result measure_cut(const Terrain *terrain, const LodCut *cut, Jobs *jobs, Measure *out) {
     return measure_cut_of(terrain_dem(terrain), terrain_grid(terrain), cut, jobs, out);
+}
+
+Result measure_cut_maps(const Terrain *terrain, const LodCut *cut, Jobs *jobs, const MeasureMaps *maps, Measure *out) {
+    MeasureRun run = {.dem = terrain_dem(terrain), .grid = terrain_grid(terrain), .cut = cut};
+    return measure(&run, jobs, maps, out);
 }

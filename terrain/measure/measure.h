@@ -24,7 +24,26 @@ typedef struct Measure {
     int64_t overlaps;
 } Measure;
 
+// What holds for each sample, [height][width] of the DEM, of the caller; NULL: not wanted. NaN: no triangle covers it.
+typedef struct MeasureMaps {
+    float *error_px; // as in Measure, rounded up
+    float *rise_m;   // the drawn surface above the sample, along its vertical; where triangles disagree the highest one
+} MeasureMaps;
+
 // The same for any number of workers. Takes 9 bytes a sample while it runs. MEMORY; RANGE: more than 2^30 vertices.
 MUST_USE Result measure_cut(const Terrain *terrain, const LodCut *cut, Jobs *jobs, Measure *out);
+// The same, with maps; with rise_m another 4 bytes a sample.
+MUST_USE Result measure_cut_maps(const Terrain *terrain, const LodCut *cut, Jobs *jobs, const MeasureMaps *maps,
+                                 Measure *out);
 // The same with heights above the ellipsoid in `dem`, without a Terrain.
 MUST_USE Result measure_cut_of(const Dem *dem, const Grid *grid, const LodCut *cut, Jobs *jobs, Measure *out);
+
+// How far the drawn surface moved from one cut to another, seen from a view: popping, where the views are those of
+// neighbouring frames. Heights at the same columns and rows are compared: lambda |rise - rise before| / |P - e|.
+typedef struct MeasurePopping {
+    double max_px;            // over all samples that both cuts cover
+    int worst_col, worst_row; // where; the first in row-major order
+} MeasurePopping;
+// `before_m`, `after_m`: rise_m of two cuts of the terrain. The same for any number of workers. MEMORY.
+MUST_USE Result measure_popping(const Terrain *terrain, const LodView *view, const float *before_m,
+                                const float *after_m, Jobs *jobs, MeasurePopping *out);

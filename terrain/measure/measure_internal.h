@@ -5,6 +5,7 @@
 #include "terrain/measure/measure.h"
 
 #include <stdatomic.h>
+#include <string.h>
 
 // An undirected edge and how many triangles run along it each way. (col, row) is the end that comes first in
 // row-major order, (dcol, drow) the step to the other.
@@ -41,6 +42,7 @@ typedef struct MeasureRun {
     int64_t samples, cell_count;
     _Atomic uint32_t *vertices; // [height][width]
     _Atomic uint32_t *errors;   // [height][width], bits of a float >= 0, the larger of the triangles that share it
+    _Atomic uint32_t *rises;    // [height][width], measure_key of the highest rise; NULL: not wanted
     _Atomic uint8_t *cells;     // [height - 1][width - 1]
     int64_t *first_ordinal;     // [item_count]
     int64_t table_size;         // a power of two
@@ -49,6 +51,20 @@ typedef struct MeasureRun {
 } MeasureRun;
 
 #define MEASURE_NOT_COVERED UINT32_C(0xffffffff) // in `errors`
+
+// Keys of floats, as large as the floats are; above MEASURE_NO_KEY for every number.
+#define MEASURE_NO_KEY UINT32_C(0)
+static inline uint32_t measure_key(float value) {
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return bits & UINT32_C(0x80000000) ? ~bits : bits | UINT32_C(0x80000000);
+}
+static inline float measure_value_of_key(uint32_t key) {
+    uint32_t bits = key & UINT32_C(0x80000000) ? key & UINT32_C(0x7fffffff) : ~key;
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
 
 typedef struct MeasureTriangle {
     int64_t col[3], row[3];

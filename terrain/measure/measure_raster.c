@@ -71,12 +71,29 @@ static void keep_worst(MeasureWorker *worker, double px, int64_t sample) {
     }
 }
 
+static void keep_highest(_Atomic uint32_t *place, double rise_m) {
+    uint32_t key = measure_key((float)rise_m), old = atomic_load_explicit(place, memory_order_relaxed);
+    while (old < key &&
+           !atomic_compare_exchange_weak_explicit(place, &old, key, memory_order_relaxed, memory_order_relaxed)) {
+    }
+}
+
+static void measure_rise(MeasureRun *run, int64_t col, int64_t row, int64_t sample, Vec3d off) {
+    Vec3d base, up;
+    grid_base(run->grid, (int)col, (int)row, &base, &up);
+    double rise_m = vec3d_dot(off, up);
+    if (isfinite(rise_m))
+        keep_highest(&run->rises[sample], rise_m);
+}
+
 // `drawn` and the sample relative to the eye.
-static double error_px(const MeasureRun *run, int64_t col, int64_t row, int64_t sample, Vec3d drawn) {
+static double error_px(MeasureRun *run, int64_t col, int64_t row, int64_t sample, Vec3d drawn) {
     double h_m = (double)run->dem->height_m[sample];
     if (!isfinite(h_m))
         return INFINITY;
     Vec3d exact = vec3d_sub(grid_ecef(run->grid, (int)col, (int)row, h_m), run->cut->view.eye_ecef);
+    if (run->rises)
+        measure_rise(run, col, row, sample, vec3d_sub(drawn, exact));
     double off_m = vec3d_distance(exact, drawn), away_m = vec3d_length(exact);
     if (away_m > 0.0)
         return run->cut->view.px_per_rad * (off_m / away_m);
