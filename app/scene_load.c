@@ -45,15 +45,17 @@ static Result read_named(const char *const *paths, int count, Scene *out) {
     return scene_of_dems(paths, count, out);
 }
 
+static Result read_default(Scene *out) {
+    char path[PATHS_BYTES_MAX];
+    Result result = paths_find_data("scenes/" DEFAULT_SCENE ".scene", path);
+    return result == RESULT_OK ? scene_read(path, out) : result;
+}
+
 static Result read_scene(const Options *options, Scene *out) {
     // The first word of these is what to measure.
     int first = (options_command(options) & (COMMAND_BENCH | COMMAND_REPRODUCE)) != 0;
     int count = options_positional_count(options) - first;
-    if (count > 0)
-        return read_named(options_positionals(options) + first, count, out);
-    char path[PATHS_BYTES_MAX];
-    Result result = paths_find_data("scenes/" DEFAULT_SCENE ".scene", path);
-    return result == RESULT_OK ? scene_read(path, out) : result;
+    return count > 0 ? read_named(options_positionals(options) + first, count, out) : read_default(out);
 }
 
 // ---- Are the files there? ---------------------------------------------------------------------------------------
@@ -161,15 +163,27 @@ Result scene_load_dem(const Options *options, Dem **out) {
     return result;
 }
 
-static Result create_terrain(const Options *options, World *world) {
+TerrainOptions scene_terrain_options(const Options *options) {
     TerrainOptions terrain = terrain_default_options();
     terrain.error = (TerrainErrorKind)options_choice(options, OPTION_ERROR);
     terrain.patch_level = 2 * (options_choice(options, OPTION_PATCH_SIDE) + 1); // sides 3, 5, 9: 2, 4, 6 bisections
+    return terrain;
+}
+
+Result scene_error_kind(const Options *options, const char *name, TerrainOptions *out) {
+    *out = scene_terrain_options(options);
+    if (strcmp(name, "midpoint") != 0 && strcmp(name, "total") != 0)
+        return RESULT_USAGE;
+    out->error = strcmp(name, "total") == 0 ? TERRAIN_ERROR_TOTAL : TERRAIN_ERROR_MIDPOINT;
+    return RESULT_OK;
+}
+
+static Result create_terrain(const Options *options, const TerrainOptions *terrain, World *world) {
     Dem *dem = NULL;
     Result result = load_dem(options, &world->scene, &dem);
     if (result != RESULT_OK)
         return result;
-    result = terrain_create(&terrain, dem, world->geoid, world->jobs, &world->terrain);
+    result = terrain_create(terrain, dem, world->geoid, world->jobs, &world->terrain);
     if (result != RESULT_OK)
         dem_destroy(&dem);
     return result;
@@ -183,24 +197,40 @@ static Result create_jobs(const Options *options, Jobs **out) {
     return result;
 }
 
-Result world_load(const Options *options, World *out) {
-    World world = {.scene = {.datum = -1, .voids = -1}};
-    Result result = read_scene(options, &world.scene);
-    if (result != RESULT_OK)
-        goto fail;
-    result = create_jobs(options, &world.jobs);
+// Takes the scene over.
+static Result load_scene(const Options *options, const TerrainOptions *terrain, const Scene *scene, World *out) {
+    World world = {.scene = *scene};
+    Result result = create_jobs(options, &world.jobs);
     if (result != RESULT_OK)
         goto fail;
     result = scene_open_geoid(options, &world.geoid);
     if (result != RESULT_OK)
         goto fail;
-    result = create_terrain(options, &world);
+    result = create_terrain(options, terrain, &world);
     if (result != RESULT_OK)
         goto fail;
     *out = world;
     return RESULT_OK;
 fail:
     world_unload(&world);
+    return result;
+}
+
+Result world_load(const Options *options, World *out) {
+    Scene scene = {.datum = -1, .voids = -1};
+    TerrainOptions terrain = scene_terrain_options(options);
+    Result result = read_scene(options, &scene);
+    return result == RESULT_OK ? load_scene(options, &terrain, &scene, out) : result;
+}
+
+Result world_load_named(const Options *options, const char *name, const TerrainOptions *terrain, World *out) {
+    Scene scene = {.datum = -1, .voids = -1};
+    Result result = name ? read_named(&name, 1, &scene) : read_default(&scene);
+    if (result == RESULT_OK)
+        result = check_scene_files(options, &scene);
+    if (result == RESULT_OK)
+        return load_scene(options, terrain, &scene, out);
+    scene_clear(&scene);
     return result;
 }
 

@@ -22,6 +22,10 @@ typedef struct World {
 // How the DEM is to be read: --datum, --voids, --spacing, --bounds; what is not given, as the scene says. `scene` may
 // be NULL.
 DemOptions scene_dem_options(const Options *options, const Scene *scene);
+// --error, --patch-side.
+TerrainOptions scene_terrain_options(const Options *options);
+// The same with another kind of errors, as --error takes it. USAGE: there is no such kind; says nothing.
+MUST_USE Result scene_error_kind(const Options *options, const char *name, TerrainOptions *out);
 // --method, --partitions, --max-triangles, --reuse.
 LodOptions scene_lod_options(const Options *options);
 // Loads what the positional arguments name, as world_load does, but the elevation model only.
@@ -38,6 +42,8 @@ MUST_USE Result world_check_inputs(const Options *options);
 // of one that came with the program), or DEM files and folders. Jobs, geoid, DEM and terrain as the options say. On
 // failure one message was logged and `out` is empty.
 MUST_USE Result world_load(const Options *options, World *out);
+// The same for one scene or DEM by its name, or the default scene where it is NULL, with a hierarchy of its own.
+MUST_USE Result world_load_named(const Options *options, const char *name, const TerrainOptions *terrain, World *out);
 void world_unload(World *world);
 
 // --eye and --look, else the scene's start, else a three-quarter view of the highest relief computed from the terrain.

@@ -4,6 +4,7 @@
 #pragma once
 
 #define COMMANDS_SCENE (COMMAND_FLY | COMMAND_SNAPSHOT | COMMAND_MESH | COMMAND_BENCH)
+#define COMMANDS_VIEW (COMMAND_FLY | COMMAND_SNAPSHOT | COMMAND_MESH)
 #define COMMANDS_WORK (COMMANDS_SCENE | COMMAND_REPRODUCE)
 #define COMMANDS_DEM (COMMANDS_WORK | COMMAND_INFO)
 #define COMMANDS_PICTURE (COMMAND_FLY | COMMAND_SNAPSHOT)
@@ -42,7 +43,9 @@
     X(PATCH_SIDE, "patch-side", 0, CHOICE, NULL, "65", 0, 0, CHOICES_PATCH_SIDE, COMMANDS_SCENE, "samples a page side")\
                                                                                                                        \
     X(METHOD, "method", 'm', CHOICE, NULL, "hybrid", 0, 0, CHOICES_METHOD, COMMANDS_SCENE, "level-of-detail method")   \
-    X(TAU, "tau", 't', NUMBER, "PX", "1", 0.01, 1000, NULL, COMMANDS_SCENE, "tolerated error at the image centre")     \
+    X(TAU, "tau", 't', NUMBER, "PX", "1", 0.01, 1000, NULL, COMMANDS_VIEW, "tolerated error at the image centre")      \
+    X(BENCH_TAU, "tau", 't', TEXT, "LIST", NULL, 0, 0, NULL, COMMAND_BENCH,                                            \
+      "tolerated errors at the image centre, pixels: 0.5,1,2,4 if not given; 1 for one benchmark")                     \
     X(PARTITIONS, "partitions", 0, INTEGER, "N", "0", 0, 64, NULL, COMMANDS_SCENE,                                     \
       "hybrid, roam-parallel: sectors along the observer line; 0: 1 for one worker, else 2 a worker")                  \
     X(BOUND, "bound", 0, CHOICE, NULL, "published", 0, 0, CHOICES_BOUND, COMMANDS_SCENE,                               \
@@ -66,8 +69,7 @@
     X(EYE, "eye", 0, POSITION, "LAT,LON,ALT", NULL, 0, 0, NULL, COMMANDS_SCENE,                                        \
       "degrees, and metres above the geoid (500m, 5000ft)")                                                            \
     X(LOOK, "look", 0, DIRECTION, "HEADING,PITCH", NULL, 0, 0, NULL, COMMANDS_SCENE, "degrees; north is 0, up is +")   \
-    X(OUTPUT, "output", 'o', PATH, "FILE", NULL, 0, 0, NULL, COMMAND_SNAPSHOT | COMMAND_MESH | COMMAND_BENCH,          \
-      "where to write")                                                                                                \
+    X(OUTPUT, "output", 'o', PATH, "FILE", NULL, 0, 0, NULL, COMMAND_SNAPSHOT | COMMAND_MESH, "where to write")        \
                                                                                                                        \
     X(COLOUR, "colour", 'c', CHOICE, NULL, "land", 0, 0, CHOICES_COLOUR, COMMANDS_PICTURE, "what colours mean")        \
     X(WIREFRAME, "wireframe", 'w', FLAG, NULL, "false", 0, 0, NULL, COMMANDS_PICTURE, "draw the triangles' edges")     \
@@ -86,7 +88,7 @@
     X(FULLSCREEN, "fullscreen", 'f', FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY, "the whole screen")                 \
     X(FPS, "fps", 0, NUMBER, "HZ", "60", 1, 1000, NULL, COMMAND_FLY, "frames a second at most")                        \
     X(FRAMES, "frames", 'n', INTEGER, "N", "0", 0, 1000000000, NULL, COMMAND_FLY | COMMAND_BENCH,                      \
-      "leave after N frames; 0: fly until told to leave, or measure 600")                                              \
+      "leave after N frames, or measure so many; 0: fly until told to leave, or a measurement's own number")                                              \
     X(LOCKSTEP, "lockstep", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY,                                           \
       "stages one after another, 1/60 s a frame: the same pictures each time")                                         \
     X(DEMO, "demo", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY, "fly the scene's demonstration")                  \
@@ -99,6 +101,14 @@
     X(VERTICES, "vertices", 0, INTEGER, "N", "100000", 10, 100000000, NULL, COMMAND_BENCH,                             \
       "partitions: refine for so many, unless --tau is given")                                                         \
     X(ROUNDS, "rounds", 0, INTEGER, "N", "5", 1, 1000, NULL, COMMAND_BENCH, "of each measurement, interleaved")        \
+    X(METHODS, "methods", 0, TEXT, "LIST", NULL, 0, 0, NULL, COMMAND_BENCH,                                            \
+      "to set against each other, separated by commas; NAME:centre keeps tau at every sample")                         \
+    X(ERRORS, "errors", 0, TEXT, "LIST", NULL, 0, 0, NULL, COMMAND_BENCH,                                              \
+      "kinds of --error that the first method is run with as well: midpoint,total:8,total if not given")               \
+    X(TRACK, "track", 0, TEXT, "LIST", NULL, 0, 0, NULL, COMMAND_BENCH,                                                \
+      "flights: valley,ridge,pass,dive,turn, or CSV files")                                                            \
+    X(BENCH_QUICK, "quick", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_BENCH,                                         \
+      "a minute or so: fewer methods, tolerances and frames, a smaller picture")                                       \
     X(SCREENSHOT, "screenshot", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMAND_FLY, "write the last frame as PNG")         \
     X(PICTURES, "pictures", 0, PATH, "DIR", NULL, 0, 0, NULL, COMMAND_FLY, "write pictures of the flight as PNG")      \
     X(PICTURE_COUNT, "picture-count", 0, INTEGER, "N", "6", 1, 100000, NULL, COMMAND_FLY,                              \
@@ -108,6 +118,8 @@
       "a minute at most: fewer sizes, frames and rounds, nothing drawn")                                               \
     X(OUTPUT_FOLDER, "output", 'o', PATH, "DIR", NULL, 0, 0, NULL, COMMAND_REPRODUCE,                                  \
       "a folder for the tables as Markdown, JSON and CSV, instead of stdout")                                          \
+    X(REPORT_FOLDER, "output", 'o', PATH, "DIR", NULL, 0, 0, NULL, COMMAND_BENCH,                                      \
+      "a folder for the report: report.html, CSV and JSON files, plots")                                               \
     X(REPRODUCE_SIDES, "sides", 0, TEXT, "LIST", NULL, 0, 0, NULL, COMMAND_REPRODUCE,                                  \
       "samples a side (2^n + 1, separated by commas) instead of the paper's")                                          \
     X(SECONDS, "seconds", 0, NUMBER, "S", NULL, 0.1, 3600, NULL, COMMAND_REPRODUCE,                                    \

@@ -142,8 +142,9 @@ static VramRegion alloc_region(PatchCache *cache, size_t bytes) {
     return region;
 }
 
-static void forget_everything(PatchCache *cache) {
-    wait_frame(cache, cache->frame - 1);
+// `frame`: the last one that has ended.
+static void forget_everything(PatchCache *cache, uint64_t frame) {
+    wait_frame(cache, frame);
     while (cache->table.oldest != PATCH_NONE) {
         cache->table.entries[cache->table.oldest].used_frame = 0;
         forget_entry(cache, cache->table.oldest);
@@ -239,7 +240,7 @@ Result patch_cache_place(PatchCache *cache, const LodItem *items, int32_t count,
         return RESULT_BUDGET;
     if (!place_all(cache, items, count, places)) {
         // Enough memory, in pieces too small: begin again with one piece.
-        forget_everything(cache);
+        forget_everything(cache, cache->frame - 1);
         cache->last_placed = 0;
         if (!place_all(cache, items, count, places)) {
             log_error("out of memory for the tables of the patch cache");
@@ -351,6 +352,12 @@ void patch_cache_begin_frame(PatchCache *cache) {
 void patch_cache_end_frame(PatchCache *cache) {
     cache->fences[cache->frame % FRAMES_IN_FLIGHT] = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
     cache->stats.used_bytes = (int64_t)vram_used(cache->vram);
+}
+
+void patch_cache_clear(PatchCache *cache) {
+    forget_everything(cache, cache->frame);
+    cache->last_placed = 0;
+    cache->stats = (PatchCacheStats){.used_bytes = (int64_t)vram_used(cache->vram)};
 }
 
 PatchCacheStats patch_cache_stats(const PatchCache *cache) {

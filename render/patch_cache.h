@@ -40,6 +40,8 @@ void patch_cache_keep_last(PatchCache *cache);
 // the last. 0: nothing that can be kept.
 uint64_t patch_cache_last_placed(const PatchCache *cache);
 void patch_cache_end_frame(PatchCache *cache);
+// Between frames: drops everything, once the GPU is done with it.
+void patch_cache_clear(PatchCache *cache);
 PatchCacheStats patch_cache_stats(const PatchCache *cache);
 
 // The bytes that `count` items need in the buffer, alone.

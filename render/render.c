@@ -206,6 +206,10 @@ Result render_frame(Renderer *renderer, const RenderPacket *packet, RenderStats 
     return result;
 }
 
+void render_forget_patches(Renderer *renderer) {
+    scene_forget_patches(renderer->scene);
+}
+
 static void flip_rows(uint8_t *rgb, int width, int height) {
     size_t row_bytes = (size_t)width * 3;
     for (int top = 0, bottom = height - 1; top < bottom; top++, bottom--) {

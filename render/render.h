@@ -119,6 +119,9 @@ void render_resize(Renderer *renderer, int width, int height);
 // warning. DEVICE: no framebuffer of the new size; MEMORY: the terrain is not drawn.
 MUST_USE Result render_frame(Renderer *renderer, const RenderPacket *packet, RenderStats *stats);
 
+// Drops what the patch cache holds, as if nothing had been drawn yet.
+void render_forget_patches(Renderer *renderer);
+
 // The columns of the left half of a split picture.
 static inline int render_left_width(int width) {
     return width / 2;

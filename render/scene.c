@@ -239,6 +239,10 @@ void scene_count(const Scene *scene, const SceneView *view, RenderCutStats *stat
     stats->evictions = cache.evictions;
 }
 
+void scene_forget_patches(Scene *scene) {
+    patch_cache_clear(scene->cache);
+}
+
 int64_t scene_vram_bytes(const Scene *scene) {
     return patch_cache_stats(scene->cache).used_bytes + (int64_t)diamond_pass_bytes(scene->diamond_passes[0]) +
            (int64_t)diamond_pass_bytes(scene->diamond_passes[1]);

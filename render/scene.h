@@ -26,4 +26,6 @@ MUST_USE Result scene_prepare(Scene *scene, const RenderPacket *packet, const Sc
 void scene_draw(Scene *scene, const RenderPacket *packet, const SceneView *view, unsigned framebuffer);
 // Counts what scene_draw drew last; the times stay as they are.
 void scene_count(const Scene *scene, const SceneView *view, RenderCutStats *stats);
+// Between frames: the patch cache begins anew.
+void scene_forget_patches(Scene *scene);
 int64_t scene_vram_bytes(const Scene *scene);

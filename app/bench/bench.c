@@ -68,6 +68,16 @@ Result bench_read_sides(const char *text, int max, int *sides, int *count) {
     return RESULT_OK;
 }
 
+Result bench_tau(const Options *options, double *tau_px) {
+    const char *text = options_text(options, OPTION_BENCH_TAU);
+    char *end;
+    *tau_px = text ? strtod(text, &end) : 1.0;
+    if (!text || (end != text && *end == '\0' && *tau_px >= 0.01 && *tau_px <= 1000.0))
+        return RESULT_OK;
+    log_error("--tau: found '%s'; expected one number from 0.01 to 1000", text);
+    return RESULT_USAGE;
+}
+
 int64_t bench_resident_bytes(void) {
     FILE *file = fopen("/proc/self/status", "r");
     char line[128];

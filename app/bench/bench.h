@@ -6,6 +6,8 @@
 #include "base/base.h"
 #include "config/options.h"
 
+// `overfly bench [SCENE|DEM]...`: app/accuracy. RANGE: a promise was broken; the report says which.
+MUST_USE Result bench_accuracy(const Options *options);
 // `overfly bench preprocess`, `overfly bench refine`, `overfly bench partitions`.
 MUST_USE Result bench_preprocess(const Options *options);
 MUST_USE Result bench_refine(const Options *options);
@@ -22,6 +24,9 @@ BenchMachine bench_machine(void);
 
 // Up to `max` sides of 3, 5, 9 ... 16385 samples (2^n + 1), separated by commas. USAGE; logged.
 MUST_USE Result bench_read_sides(const char *text, int max, int *sides, int *count);
+
+// The one tolerance of a benchmark: --tau, else 1 pixel. USAGE: a list, or no number; logged.
+MUST_USE Result bench_tau(const Options *options, double *tau_px);
 
 // "machine": processor, processors, compiler, build.
 void bench_add_machine(Json *parent);

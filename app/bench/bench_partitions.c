@@ -48,7 +48,7 @@ static LodView view_of_frame(const Bench *bench, int frame) {
 }
 
 static bool is_sought(const Bench *bench) {
-    return !options_is_given(bench->options, OPTION_TAU);
+    return !options_is_set(bench->options, OPTION_BENCH_TAU);
 }
 
 static bool is_close(double found, double asked) {
@@ -88,7 +88,9 @@ static Result prepare(Bench *bench, int frames) {
     if (result != RESULT_OK)
         return result;
     bench->start = world_lod_view(&bench->world, bench->options, &start);
-    result = jobs_create(1, &bench->one);
+    result = bench_tau(bench->options, &bench->start.tau_px);
+    if (result == RESULT_OK)
+        result = jobs_create(1, &bench->one);
     if (result == RESULT_OK && is_sought(bench))
         result = find_tau(bench, (double)options_integer(bench->options, OPTION_VERTICES));
     race_begin(bench->world.terrain, frames, &bench->race);

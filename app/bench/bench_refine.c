@@ -33,6 +33,7 @@ typedef struct Totals {
 
 typedef struct Bench {
     const Options *options;
+    double tau_px;
     World world;
     Flight flight;
     Lod *lod, *full;
@@ -76,13 +77,13 @@ static void flight_step(Flight *flight, double seconds) {
     at->alt_m = fmax(at->alt_m, ground + CLEARANCE_SHARE * flight->height_m);
 }
 
-static LodView flight_view(const Flight *flight, const Options *options) {
+static LodView flight_view(const Flight *flight, const Options *options, double tau_px) {
     Geodetic eye = {flight->at.lat_deg * GEODESY_RAD_PER_DEG, flight->at.lon_deg * GEODESY_RAD_PER_DEG,
                     flight->at.alt_m};
     return (LodView){.eye_ecef = geodesy_to_ecef(eye),
                      .forward_ecef = viewpoint_forward(&flight->at),
                      .px_per_rad = scene_px_per_rad(options),
-                     .tau_px = options_number(options, OPTION_TAU)};
+                     .tau_px = tau_px};
 }
 
 static bool same_item(const LodItem *a, const LodItem *b) {
@@ -133,7 +134,7 @@ static void add_frame(Totals *totals, const LodStats *stats) {
 }
 
 static Result fly_frame(Bench *bench, int frame) {
-    LodView view = flight_view(&bench->flight, bench->options);
+    LodView view = flight_view(&bench->flight, bench->options, bench->tau_px);
     LodCut cut;
     arena_reset(bench->frame);
     int64_t begin = clock_now_ns();
@@ -199,7 +200,7 @@ static Result print_json(Bench *bench) {
     json_add_text(json, "dem", terrain_dem(bench->world.terrain)->file);
     json_add_text(json, "method", options_text(bench->options, OPTION_METHOD));
     json_add_text(json, "error", options_text(bench->options, OPTION_ERROR));
-    json_add_number(json, "tau_px", options_number(bench->options, OPTION_TAU));
+    json_add_number(json, "tau_px", bench->tau_px);
     json_add_number(json, "reached_px", bench->reached_px);
     json_add_bool(json, "promised", bench->promised);
     json_add_integer(json, "threads", jobs_worker_count(bench->world.jobs));
@@ -227,9 +228,8 @@ static void print_text(Bench *bench) {
     double n = t->frames, *ms = bench->update_ms;
     statistics_sort(ms, t->frames);
     printf("%s, tau %g px (%g %s), %d frames at %g m/s, %d threads\n", options_text(bench->options, OPTION_METHOD),
-           options_number(bench->options, OPTION_TAU), bench->reached_px,
-           bench->promised ? "held" : "asked for, none promised", t->frames, bench->flight.speed_m_s,
-           jobs_worker_count(bench->world.jobs));
+           bench->tau_px, bench->reached_px, bench->promised ? "held" : "asked for, none promised", t->frames,
+           bench->flight.speed_m_s, jobs_worker_count(bench->world.jobs));
     printf("loaded           in %.0f ms, %.2f bytes a sample\n", bench->load_ms,
            (double)terrain_sample_bytes(bench->world.terrain) / samples(bench));
     printf("triangles        %.0f in %.0f patches\n", t->triangles / n, t->patches / n);
@@ -256,8 +256,10 @@ Result bench_refine(const Options *options) {
     Bench bench = {.options = options, .frames = (int)options_integer(options, OPTION_FRAMES), .equal = true};
     if (bench.frames == 0)
         bench.frames = 600;
+    Result result = bench_tau(options, &bench.tau_px);
     int64_t begin = clock_now_ns();
-    Result result = world_load(options, &bench.world);
+    if (result == RESULT_OK)
+        result = world_load(options, &bench.world);
     bench.load_ms = (double)(clock_now_ns() - begin) * 1e-6;
     bench.resident_bytes = bench_resident_bytes();
     if (result == RESULT_OK)

@@ -1,19 +1,22 @@
 #include "app/bench/bench.h"
 #include "app/commands/command.h"
-#include "base/log.h"
 
 #include <string.h>
 
+// The first word is a benchmark of one part, or else the first scene or DEM that accuracy is measured over.
+static const struct {
+    const char *word;
+    Result (*run)(const Options *options);
+} PARTS[] = {
+    {"preprocess", bench_preprocess},
+    {"refine", bench_refine},
+    {"partitions", bench_partitions},
+};
+
 Result cmd_bench(const Options *options) {
-    const char *kind = options_positional_count(options) ? options_positionals(options)[0] : "";
-    if (strcmp(kind, "preprocess") == 0)
-        return bench_preprocess(options);
-    if (strcmp(kind, "refine") == 0)
-        return bench_refine(options);
-    if (strcmp(kind, "partitions") == 0)
-        return bench_partitions(options);
-    log_error("bench: expected 'preprocess', 'refine' or 'partitions', found '%s'; for example: overfly bench refine "
-              "--tau 1 --json",
-              kind);
-    return RESULT_USAGE;
+    const char *word = options_positional_count(options) ? options_positionals(options)[0] : "";
+    for (size_t i = 0; i < COUNT_OF(PARTS); i++)
+        if (strcmp(word, PARTS[i].word) == 0)
+            return PARTS[i].run(options);
+    return bench_accuracy(options);
 }

@@ -76,6 +76,10 @@ void help_print_program(void) {
            "'overfly SUBCOMMAND --help' lists the options.\n");
 }
 
+const char *help_version(void) {
+    return OVERFLY_VERSION;
+}
+
 void help_print_version(void) {
-    printf("overfly %s\n", OVERFLY_VERSION);
+    printf("overfly %s\n", help_version());
 }

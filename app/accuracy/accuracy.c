@@ -1,0 +1,139 @@
+#define _DEFAULT_SOURCE // getloadavg
+#include "app/accuracy/accuracy_internal.h"
+#include "app/scene_load.h"
+#include "base/clock.h"
+#include "base/log.h"
+#include "terrain/jobs.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+static Result create_runs(Accuracy *accuracy) {
+    const AccuracyPlan *plan = &accuracy->plan;
+    int of_dem = plan->variant_count * plan->tau_count;
+    accuracy->run_count = plan->dem_count * of_dem;
+    accuracy->runs = calloc((size_t)accuracy->run_count, sizeof *accuracy->runs);
+    if (!accuracy->runs)
+        return RESULT_MEMORY;
+    for (int i = 0; i < accuracy->run_count; i++) {
+        AccuracyRun *run = &accuracy->runs[i];
+        run->dem = i / of_dem;
+        run->variant = i % of_dem / plan->tau_count;
+        run->tau_px = plan->tau_px[i % plan->tau_count];
+        run->summary.same_cuts = true;
+    }
+    return RESULT_OK;
+}
+
+static Result create_frames(Accuracy *accuracy, int dem) {
+    int of_dem = accuracy->plan.variant_count * accuracy->plan.tau_count;
+    for (int i = dem * of_dem; i < (dem + 1) * of_dem; i++) {
+        AccuracyRun *run = &accuracy->runs[i];
+        run->frames = calloc((size_t)accuracy->dems[dem].pose_count, sizeof *run->frames);
+        if (!run->frames)
+            return RESULT_MEMORY;
+    }
+    return RESULT_OK;
+}
+
+// Frames are drawn where that is possible.
+static void open_context(Accuracy *accuracy, Context **context) {
+    const ContextOptions options = {.width = accuracy->plan.width, .height = accuracy->plan.height};
+    if (context_create_offscreen(&options, context) != RESULT_OK) {
+        log_warn("bench: without a GL context nothing is drawn; a frame's time is that of its refinement");
+        *context = NULL;
+        return;
+    }
+    snprintf(accuracy->renderer, sizeof accuracy->renderer, "%s", context_renderer_name(*context));
+    accuracy->software = context_is_software(*context);
+}
+
+static Result run_dem(Accuracy *accuracy, int dem, Context *context) {
+    Result result = accuracy_load(&accuracy->plan, dem, &accuracy->dems[dem]);
+    if (result == RESULT_OK)
+        accuracy->threads = jobs_worker_count(accuracy->dems[dem].worlds[0].jobs);
+    if (result == RESULT_OK)
+        result = create_frames(accuracy, dem);
+    if (result == RESULT_OK)
+        result = accuracy_time(accuracy, dem, context);
+    if (result == RESULT_OK)
+        result = accuracy_measure(accuracy, dem);
+    if (result == RESULT_OK)
+        result = accuracy_keep_worst(accuracy, dem, context);
+    if (result == RESULT_OK && dem == 0)
+        result = accuracy_scale(&accuracy->plan, &accuracy->dems[0], &accuracy->scaling);
+    accuracy_unload(&accuracy->dems[dem]);
+    return result;
+}
+
+Result accuracy_run(const AccuracyPlan *plan, Accuracy *out) {
+    Context *context = NULL;
+    int64_t begin = clock_now_ns();
+    *out = (Accuracy){.plan = *plan, .worst = {.run = -1, .frame = -1}, .unix_s = (int64_t)time(NULL)};
+    for (int i = 0; i < plan->flight_count; i++) // they lie in the plan
+        out->plan.flights[i] = out->plan.flight_text + (plan->flights[i] - plan->flight_text);
+    if (getloadavg(&out->load, 1) != 1)
+        out->load = NAN;
+    open_context(out, &context);
+    Result result = create_runs(out);
+    for (int dem = 0; dem < plan->dem_count && result == RESULT_OK; dem++)
+        result = run_dem(out, dem, context);
+    context_destroy(&context);
+    out->wall_s = (double)(clock_now_ns() - begin) * 1e-9;
+    if (result == RESULT_MEMORY)
+        log_error("bench: not enough memory for %d runs", out->run_count);
+    return result;
+}
+
+void accuracy_clear(Accuracy *accuracy) {
+    for (int i = 0; accuracy->runs && i < accuracy->run_count; i++)
+        free(accuracy->runs[i].frames);
+    free(accuracy->runs);
+    for (int i = 0; i < ACCURACY_DEMS_MAX; i++) {
+        accuracy_unload(&accuracy->dems[i]);
+        for (int k = 0; k < ACCURACY_FLIGHTS_MAX; k++)
+            track_clear(&accuracy->dems[i].tracks[k]);
+        free(accuracy->dems[i].poses);
+    }
+    free(accuracy->worst.error_px);
+    free(accuracy->worst.picture);
+    *accuracy = (Accuracy){.runs = NULL};
+}
+
+static bool is_plain(const char *text) {
+    return strspn(text, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./:+,=-") == strlen(text);
+}
+
+// Quoted for a shell where that is needed.
+static void quote(const char *text, char *out, size_t size) {
+    size_t used = (size_t)snprintf(out, size, "'");
+    if (is_plain(text)) {
+        snprintf(out, size, "%s", text);
+        return;
+    }
+    for (; *text && used + 6 < size; text++)
+        used += (size_t)snprintf(out + used, size - used, *text == '\'' ? "'\\''" : "%c", *text);
+    snprintf(out + used, size - used, "'");
+}
+
+void accuracy_command(const Accuracy *accuracy, const AccuracyRun *run, int frame, char *out, size_t size) {
+    const AccuracyPlan *plan = &accuracy->plan;
+    const AccuracyDem *dem = &accuracy->dems[run->dem];
+    const AccuracyVariant *variant = &plan->variants[run->variant];
+    const Viewpoint *at = &dem->poses[frame].at;
+    char place[600];
+    quote(dem->place, place, sizeof place);
+    const char *bound = scene_bound_corner(plan->options)    ? " --bound corner"
+                        : variant->bound == LOD_BOUND_CENTRE ? " --bound centre"
+                                                             : "";
+    snprintf(out, size,
+             "overfly mesh%s%s --method %s%s --error %s --tau %g --size %dx%d --fov %g "
+             "--eye %.9f,%.9f,%.3f --look %.6f,%.6f",
+             *dem->place ? " " : "", *dem->place ? place : "", lod_method_name(variant->method), bound,
+             plan->kinds[variant->kind].name, run->tau_px, plan->width, plan->height,
+             options_number(plan->options, OPTION_FOV), at->lat_deg, at->lon_deg, at->alt_m, at->heading_deg,
+             at->pitch_deg);
+}

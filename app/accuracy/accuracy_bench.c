@@ -1,0 +1,59 @@
+// `overfly bench [SCENE|DEM]...`: what accuracy costs in time.
+#include "app/accuracy/accuracy_report.h"
+#include "app/bench/bench.h"
+#include "base/log.h"
+
+#include <stdlib.h>
+
+static Result print_json(const Accuracy *accuracy) {
+    Json *json = accuracy_make_json(accuracy);
+    Result result = json_print(json);
+    json_destroy(&json);
+    return result;
+}
+
+static Result deliver(const Accuracy *accuracy, const char *folder) {
+    const Options *options = accuracy->plan.options;
+    Result result = folder ? accuracy_write_report(accuracy, folder) : RESULT_OK;
+    if (result == RESULT_OK && options_flag(options, OPTION_JSON))
+        return print_json(accuracy);
+    if (result == RESULT_OK)
+        accuracy_write_text(accuracy, stdout);
+    if (result == RESULT_OK && folder)
+        log_info("%s: open report.html in a browser; frames.csv, summary.csv, summary.json and plots lie beside it",
+                 folder);
+    return result;
+}
+
+// A broken promise is a failure, once all of it is written down.
+static Result judge(const Accuracy *accuracy) {
+    char fault[ACCURACY_TEXT_BYTES];
+    if (accuracy_holds(accuracy))
+        return RESULT_OK;
+    for (int i = 0; i < accuracy->run_count; i++) {
+        accuracy_fault(accuracy, &accuracy->runs[i], fault);
+        if (*fault)
+            log_error("bench: %s", fault);
+    }
+    return RESULT_RANGE;
+}
+
+Result bench_accuracy(const Options *options) {
+    AccuracyPlan *plan = calloc(1, sizeof *plan);
+    Accuracy *accuracy = calloc(1, sizeof *accuracy);
+    const char *folder = options_text(options, OPTION_REPORT_FOLDER);
+    Result result = plan && accuracy ? accuracy_plan(options, plan) : RESULT_MEMORY;
+    if (result == RESULT_OK && folder)
+        result = accuracy_check_report(folder);
+    if (result == RESULT_OK)
+        result = accuracy_run(plan, accuracy);
+    if (result == RESULT_OK)
+        result = deliver(accuracy, folder);
+    if (result == RESULT_OK)
+        result = judge(accuracy);
+    if (accuracy)
+        accuracy_clear(accuracy);
+    free(accuracy);
+    free(plan);
+    return result;
+}

@@ -1,0 +1,129 @@
+#include "app/accuracy/accuracy_internal.h"
+#include "app/flight/camera.h"
+#include "base/clock.h"
+#include "base/log.h"
+#include "base/statistics.h"
+#include "terrain/errors/error_field.h"
+#include "terrain/terrain_parts.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define ROUNDS_MAX 64 // of building a hierarchy
+
+// FNV-1a over the heights' bits.
+static uint64_t hash_heights(const Dem *dem) {
+    uint64_t hash = UINT64_C(14695981039346656037);
+    size_t count = (size_t)dem->width * (size_t)dem->height;
+    for (size_t i = 0; i < count; i++) {
+        uint32_t bits;
+        memcpy(&bits, &dem->height_m[i], sizeof bits);
+        hash = (hash ^ bits) * UINT64_C(1099511628211);
+    }
+    return hash;
+}
+
+static void describe(const AccuracyPlan *plan, int index, AccuracyDem *dem) {
+    const World *world = &dem->worlds[0];
+    const Dem *heights = terrain_dem(world->terrain);
+    const char *given = plan->dems[index], *file = given ? given : heights->file, *slash = strrchr(file, '/');
+    snprintf(dem->name, sizeof dem->name, "%s", slash ? slash + 1 : file);
+    snprintf(dem->place, sizeof dem->place, "%s", given ? given : "");
+    snprintf(dem->datum, sizeof dem->datum, "%s", heights->datum == DEM_DATUM_EGM96 ? "EGM96" : "ellipsoid");
+    dem->width = heights->width;
+    dem->height = heights->height;
+    dem->hash = hash_heights(heights);
+    if (dem_spacing_m(heights, dem->spacing_m) != RESULT_OK)
+        dem->spacing_m[0] = dem->spacing_m[1] = 0.0;
+}
+
+static Result build_errors(const AccuracyDem *dem, const AccuracyKind *kind, const World *world, double *ms) {
+    ErrorFieldInput input = {.height_m = terrain_dem(world->terrain)->height_m,
+                             .grid = terrain_grid(world->terrain),
+                             .forest = &world->terrain->forest,
+                             .kind = kind->terrain.error,
+                             .void_bits = terrain_dem(world->terrain)->void_bits};
+    ErrorField field;
+    int64_t begin = clock_now_ns();
+    Result result = error_field_create(&input, dem->worlds[0].jobs, &field);
+    *ms = (double)(clock_now_ns() - begin) * 1e-6;
+    if (result == RESULT_OK)
+        error_field_destroy(&field);
+    return result;
+}
+
+// The kinds in turn, round by round.
+static Result time_building(const AccuracyPlan *plan, AccuracyDem *dem) {
+    double ms[ACCURACY_KINDS_MAX][ROUNDS_MAX];
+    int rounds = plan->rounds < ROUNDS_MAX ? plan->rounds : ROUNDS_MAX;
+    Result result = RESULT_OK;
+    for (int round = 0; round < rounds; round++)
+        for (int kind = 0; kind < plan->kind_count && result == RESULT_OK; kind++)
+            result = build_errors(dem, &plan->kinds[kind], &dem->worlds[kind], &ms[kind][round]);
+    for (int kind = 0; kind < plan->kind_count && result == RESULT_OK; kind++) {
+        statistics_sort(ms[kind], rounds);
+        dem->build_ms[kind][0] = statistics_percentile(ms[kind], rounds, 0.5);
+        dem->build_ms[kind][1] = ms[kind][0];
+        dem->build_ms[kind][2] = ms[kind][rounds - 1];
+    }
+    return result;
+}
+
+static Result plan_flights(const AccuracyPlan *plan, AccuracyDem *dem) {
+    Result result = RESULT_OK;
+    for (int i = 0; i < plan->flight_count && result == RESULT_OK; i++) {
+        TrackKind kind;
+        result = track_kind_find(plan->flights[i], &kind) ? track_builtin(&dem->worlds[0], kind, &dem->tracks[i])
+                                                          : track_read(plan->flights[i], &dem->tracks[i]);
+    }
+    return result;
+}
+
+// Bursts spread over the flight, each of frames that follow one another.
+static Result choose_poses(const AccuracyPlan *plan, AccuracyDem *dem) {
+    int bursts = plan->frames / ACCURACY_BURST;
+    dem->pose_count = plan->flight_count * plan->frames;
+    dem->poses = calloc((size_t)dem->pose_count, sizeof *dem->poses);
+    if (!dem->poses) {
+        log_error("bench: no memory for %d frames", dem->pose_count);
+        return RESULT_MEMORY;
+    }
+    for (int i = 0; i < dem->pose_count; i++) {
+        int flight = i / plan->frames, number = i % plan->frames, burst = number / ACCURACY_BURST;
+        const Track *track = &dem->tracks[flight];
+        double t = track_duration_s(track) * (burst + 0.5) / bursts + number % ACCURACY_BURST / ACCURACY_FRAME_HZ;
+        dem->poses[i] = (AccuracyPose){flight, number, number % ACCURACY_BURST == 0, t, track_at(track, t)};
+    }
+    return RESULT_OK;
+}
+
+Result accuracy_load(const AccuracyPlan *plan, int index, AccuracyDem *out) {
+    Result result = RESULT_OK;
+    *out = (AccuracyDem){.poses = NULL};
+    for (int kind = 0; kind < plan->kind_count && result == RESULT_OK; kind++)
+        result = world_load_named(plan->options, plan->dems[index], &plan->kinds[kind].terrain, &out->worlds[kind]);
+    if (result == RESULT_OK)
+        describe(plan, index, out);
+    if (result == RESULT_OK)
+        result = time_building(plan, out);
+    if (result == RESULT_OK)
+        result = plan_flights(plan, out);
+    return result == RESULT_OK ? choose_poses(plan, out) : result;
+}
+
+void accuracy_unload(AccuracyDem *dem) {
+    for (int kind = 0; kind < ACCURACY_KINDS_MAX; kind++) {
+        world_unload(&dem->worlds[kind]);
+        dem->worlds[kind] = (World){.jobs = NULL};
+    }
+}
+
+LodView accuracy_view(const AccuracyPlan *plan, const AccuracyDem *dem, int pose, double tau_px) {
+    const Viewpoint *at = &dem->poses[pose].at;
+    return (LodView){.eye_ecef = world_viewpoint_ecef(&dem->worlds[0], at),
+                     .forward_ecef = viewpoint_forward(at),
+                     .px_per_rad =
+                         camera_px_per_rad(plan->fov_rad, plan->width, plan->height, scene_bound_corner(plan->options)),
+                     .tau_px = tau_px};
+}

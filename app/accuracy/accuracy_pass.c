@@ -1,0 +1,77 @@
+#include "app/accuracy/accuracy_internal.h"
+#include "app/bench/bench.h"
+#include "app/picture_options.h"
+
+#include <string.h>
+
+#define FRAME_BLOCK_BYTES (1 << 20)
+
+Result accuracy_pass_begin(const AccuracyPlan *plan, const AccuracyDem *dem, const AccuracyRun *run, uint32_t serial,
+                           AccuracyPass *out) {
+    const AccuracyVariant *variant = &plan->variants[run->variant];
+    LodOptions options = scene_lod_options(plan->options);
+    options.method = variant->method;
+    options.bound = variant->bound;
+    options.serial = serial;
+    *out = (AccuracyPass){.plan = plan,
+                          .dem = dem,
+                          .world = &dem->worlds[variant->kind],
+                          .tau_px = run->tau_px,
+                          .bytes_before = bench_resident_bytes()};
+    Result result = arena_create(FRAME_BLOCK_BYTES, &out->frame);
+    return result == RESULT_OK ? lod_create(&options, out->world->terrain, &out->lod) : result;
+}
+
+Result accuracy_pass_refine(AccuracyPass *pass, int pose) {
+    LodView view = accuracy_view(pass->plan, pass->dem, pose, pass->tau_px);
+    lod_release(pass->lod, pass->cut.frame);
+    arena_reset(pass->frame);
+    Result result = lod_update(pass->lod, &view, pass->world->jobs, pass->frame, &pass->cut);
+    return result == RESULT_BUDGET ? RESULT_OK : result;
+}
+
+void accuracy_pass_end(AccuracyPass *pass) {
+    lod_destroy(&pass->lod);
+    arena_destroy(&pass->frame);
+}
+
+RenderPacket accuracy_packet(const AccuracyPass *pass, int pose) {
+    const AccuracyPlan *plan = pass->plan;
+    const Viewpoint *at = &pass->dem->poses[pose].at;
+    RenderCamera camera = {pass->cut.view.eye_ecef, viewpoint_camera(at), plan->fov_rad};
+    return (RenderPacket){.cut = pass->cut, .camera = camera, .sun_ecef = world_sun(pass->world, plan->options, at)};
+}
+
+Result accuracy_renderer(const AccuracyPlan *plan, const World *world, Renderer **out) {
+    RenderOptions options = picture_render_options(plan->options, world);
+    options.width = plan->width;
+    options.height = plan->height;
+    options.measure_times = true;
+    options.lockstep = true;
+    return render_create(&options, world->terrain, out);
+}
+
+static uint64_t mix(uint64_t hash, uint64_t value) {
+    hash = (hash ^ value) * UINT64_C(0x9e3779b97f4a7c15);
+    return hash ^ hash >> 29;
+}
+
+uint64_t accuracy_cut_hash(const LodCut *cut) {
+    uint64_t hash = mix((uint64_t)cut->item_count, (uint64_t)cut->stats.triangles);
+    for (int32_t i = 0; i < cut->item_count; i++) {
+        const LodItem *item = &cut->items[i];
+        hash = mix(hash, (uint64_t)(uint32_t)item->page->col0 << 32 | (uint32_t)item->page->row0);
+        if (item->index_count > 0) { // of a page that morphs the place too
+            const LodVertex *v = &item->page->vertices[item->indices[0]];
+            hash = mix(hash, (uint64_t)(uint32_t)v->x << 32 | (uint32_t)v->z);
+        }
+        for (int32_t k = 0; k + 3 < item->index_count; k += 4) {
+            uint64_t four;
+            memcpy(&four, item->indices + k, sizeof four);
+            hash = mix(hash, four);
+        }
+        for (int32_t k = item->index_count / 4 * 4; k < item->index_count; k++)
+            hash = mix(hash, item->indices[k]);
+    }
+    return hash;
+}

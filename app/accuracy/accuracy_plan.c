@@ -1,0 +1,247 @@
+#define _DEFAULT_SOURCE // strsep
+#include "app/accuracy/accuracy.h"
+#include "base/log.h"
+#include "config/suggest.h"
+#include "terrain/geodesy.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define ROUNDS_LEAST 5 // fewer show no spread
+#define FULL_METHODS "hybrid,patch,roam,roam-parallel,geomipmap,geomipmap:centre,geomipmap-ye,diamond"
+#define QUICK_METHODS "hybrid,patch,roam,geomipmap,geomipmap:centre,geomipmap-ye,diamond"
+#define FULL_TAUS "0.5,1,2,4"
+#define QUICK_TAUS "1,2,4"
+#define FULL_KINDS "midpoint,total:8,total"
+#define FLIGHTS "valley,ridge,pass,dive,turn"
+#define FULL_FRAMES 24
+#define QUICK_FRAMES 6
+#define QUICK_WIDTH 480
+#define QUICK_HEIGHT 300
+#define CENTRE ":centre"
+
+// The next part of a list separated by commas, of at most size - 1 bytes; false at the end or when it is longer.
+static bool next_word(const char **list, char *out, size_t size) {
+    size_t length = strcspn(*list, ",");
+    if (length == 0 || length >= size)
+        return false;
+    memcpy(out, *list, length);
+    out[length] = '\0';
+    *list += length + ((*list)[length] == ',');
+    return true;
+}
+
+static const char *text_or(const Options *options, OptionId id, const char *otherwise) {
+    return options_is_set(options, id) ? options_text(options, id) : otherwise;
+}
+
+// ---- kinds of errors ----
+
+static Result add_kind(AccuracyPlan *plan, const char *name) {
+    for (int i = 0; i < plan->kind_count; i++)
+        if (strcmp(plan->kinds[i].name, name) == 0)
+            return RESULT_OK;
+    if (plan->kind_count == ACCURACY_KINDS_MAX) {
+        log_error("--errors: expected at most %d kinds", ACCURACY_KINDS_MAX);
+        return RESULT_USAGE;
+    }
+    AccuracyKind *kind = &plan->kinds[plan->kind_count];
+    Result result = scene_error_kind(plan->options, name, &kind->terrain);
+    if (result != RESULT_OK) {
+        log_error("--errors: found '%s'; expected 'midpoint', 'total' or 'total:STRIDE', separated by commas", name);
+        return RESULT_USAGE;
+    }
+    snprintf(kind->name, sizeof kind->name, "%s", name);
+    plan->kind_count++;
+    return RESULT_OK;
+}
+
+static Result read_kinds(AccuracyPlan *plan) {
+    char name[24];
+    const char *list = text_or(plan->options, OPTION_ERRORS, plan->quick ? "" : FULL_KINDS);
+    Result result = add_kind(plan, options_text(plan->options, OPTION_ERROR));
+    while (result == RESULT_OK && *list)
+        result = next_word(&list, name, sizeof name) ? add_kind(plan, name) : add_kind(plan, list);
+    return result;
+}
+
+// ---- methods ----
+
+static Result refuse_method(const char *name) {
+    const char *names[LOD_METHOD_COUNT];
+    char all[256];
+    size_t used = 0;
+    for (int i = 0; i < LOD_METHOD_COUNT; i++) {
+        names[i] = lod_method_name((LodMethod)i);
+        used += (size_t)snprintf(all + used, sizeof all - used, "%s%s", i ? ", " : "", names[i]);
+    }
+    const char *nearest = suggest_nearest(name, names, LOD_METHOD_COUNT);
+    log_error("--methods: found '%s'; expected some of %s, separated by commas, each with '" CENTRE
+              "' behind it where its bound is to be kept at every sample%s%s%s",
+              name, all, nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+    return RESULT_USAGE;
+}
+
+static Result add_variant(AccuracyPlan *plan, const AccuracyVariant *variant) {
+    if (plan->variant_count == ACCURACY_VARIANTS_MAX) {
+        log_error("--methods: expected at most %d", ACCURACY_VARIANTS_MAX);
+        return RESULT_USAGE;
+    }
+    plan->variants[plan->variant_count++] = *variant;
+    return RESULT_OK;
+}
+
+static Result add_method(AccuracyPlan *plan, const char *name) {
+    AccuracyVariant variant = {.bound = scene_lod_options(plan->options).bound};
+    size_t length = strlen(name), suffix = strlen(CENTRE);
+    if (length > suffix && strcmp(name + length - suffix, CENTRE) == 0) {
+        variant.bound = LOD_BOUND_CENTRE;
+        length -= suffix;
+    }
+    for (int i = 0; i < LOD_METHOD_COUNT; i++) {
+        const char *known = lod_method_name((LodMethod)i);
+        if (strlen(known) != length || strncmp(known, name, length) != 0)
+            continue;
+        variant.method = (LodMethod)i;
+        snprintf(variant.name, sizeof variant.name, "%s", name);
+        return add_variant(plan, &variant);
+    }
+    return refuse_method(name);
+}
+
+// What the other kinds of errors cost is shown by the first method.
+static Result add_kind_variants(AccuracyPlan *plan) {
+    Result result = RESULT_OK;
+    for (int kind = 1; kind < plan->kind_count && result == RESULT_OK; kind++) {
+        AccuracyVariant variant = plan->variants[0];
+        variant.kind = kind;
+        snprintf(variant.name, sizeof variant.name, "%.20s, %.20s", plan->variants[0].name, plan->kinds[kind].name);
+        result = add_variant(plan, &variant);
+    }
+    return result;
+}
+
+static Result read_methods(AccuracyPlan *plan) {
+    char name[32];
+    const char *list = options_text(plan->options, OPTION_METHODS);
+    if (!list && options_is_given(plan->options, OPTION_METHOD))
+        list = options_text(plan->options, OPTION_METHOD);
+    if (!list)
+        list = plan->quick ? QUICK_METHODS : FULL_METHODS;
+    Result result = RESULT_OK;
+    while (result == RESULT_OK && *list)
+        result = next_word(&list, name, sizeof name) ? add_method(plan, name) : refuse_method(list);
+    return result == RESULT_OK ? add_kind_variants(plan) : result;
+}
+
+// ---- tolerances ----
+
+static int compare_numbers(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static Result read_taus(AccuracyPlan *plan) {
+    const char *list = text_or(plan->options, OPTION_BENCH_TAU, plan->quick ? QUICK_TAUS : FULL_TAUS);
+    for (const char *next = list; *next;) {
+        char *end;
+        double tau = strtod(next, &end);
+        if (end == next || (*end && *end != ',') || !(tau >= 0.01 && tau <= 1000.0) ||
+            plan->tau_count == ACCURACY_TAUS_MAX) {
+            log_error("--tau: found '%s'; expected up to %d numbers from 0.01 to 1000, separated by commas", list,
+                      ACCURACY_TAUS_MAX);
+            return RESULT_USAGE;
+        }
+        plan->tau_px[plan->tau_count++] = tau;
+        next = *end ? end + 1 : end;
+    }
+    qsort(plan->tau_px, (size_t)plan->tau_count, sizeof *plan->tau_px, compare_numbers);
+    return RESULT_OK;
+}
+
+// ---- flights ----
+
+static Result check_flight(const char *name) {
+    TrackKind kind;
+    if (track_kind_find(name, &kind))
+        return RESULT_OK;
+    if (strpbrk(name, "./")) // a file; whether it is one, track_read tells
+        return RESULT_OK;
+    const char *names[TRACK_KIND_COUNT];
+    for (int i = 0; i < TRACK_KIND_COUNT; i++)
+        names[i] = track_kind_name((TrackKind)i);
+    const char *nearest = suggest_nearest(name, names, TRACK_KIND_COUNT);
+    log_error("--track: found '%s'; expected some of " FLIGHTS ", or CSV files, separated by commas%s%s%s", name,
+              nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+    return RESULT_USAGE;
+}
+
+static Result read_flights(AccuracyPlan *plan) {
+    const char *list = text_or(plan->options, OPTION_TRACK, FLIGHTS);
+    if (strlen(list) >= sizeof plan->flight_text) {
+        log_error("--track: expected at most %zu bytes", sizeof plan->flight_text - 1);
+        return RESULT_USAGE;
+    }
+    strcpy(plan->flight_text, list);
+    char *rest = plan->flight_text;
+    for (char *name; (name = strsep(&rest, ",")) != NULL;) {
+        if (plan->flight_count == ACCURACY_FLIGHTS_MAX) {
+            log_error("--track: expected at most %d flights", ACCURACY_FLIGHTS_MAX);
+            return RESULT_USAGE;
+        }
+        Result result = check_flight(name);
+        if (result != RESULT_OK)
+            return result;
+        plan->flights[plan->flight_count++] = name;
+    }
+    return RESULT_OK;
+}
+
+// ---- the rest ----
+
+static Result read_dems(AccuracyPlan *plan) {
+    plan->dem_count = options_positional_count(plan->options);
+    if (plan->dem_count > ACCURACY_DEMS_MAX) {
+        log_error("bench: expected at most %d scenes and DEMs, found %d", ACCURACY_DEMS_MAX, plan->dem_count);
+        return RESULT_USAGE;
+    }
+    for (int i = 0; i < plan->dem_count; i++)
+        plan->dems[i] = options_positionals(plan->options)[i];
+    if (plan->dem_count == 0)
+        plan->dem_count = 1; // the default scene
+    return RESULT_OK;
+}
+
+static void read_counts(AccuracyPlan *plan) {
+    const Options *options = plan->options;
+    const double *size = options_numbers(options, OPTION_SIZE);
+    bool sized = options_is_given(options, OPTION_SIZE);
+    int frames = (int)fmin((double)options_integer(options, OPTION_FRAMES), 1e6);
+    if (frames == 0)
+        frames = plan->quick ? QUICK_FRAMES : FULL_FRAMES;
+    plan->frames = (frames + ACCURACY_BURST - 1) / ACCURACY_BURST * ACCURACY_BURST;
+    plan->rounds = (int)options_integer(options, OPTION_ROUNDS);
+    plan->width = plan->quick && !sized ? QUICK_WIDTH : (int)size[0];
+    plan->height = plan->quick && !sized ? QUICK_HEIGHT : (int)size[1];
+    plan->fov_rad = options_number(options, OPTION_FOV) * GEODESY_RAD_PER_DEG;
+    if (plan->rounds < ROUNDS_LEAST)
+        log_warn("--rounds %d: the spread of fewer than %d rounds says little", plan->rounds, ROUNDS_LEAST);
+}
+
+Result accuracy_plan(const Options *options, AccuracyPlan *out) {
+    *out = (AccuracyPlan){.options = options, .quick = options_flag(options, OPTION_BENCH_QUICK)};
+    Result result = read_dems(out);
+    if (result == RESULT_OK)
+        result = read_kinds(out);
+    if (result == RESULT_OK)
+        result = read_methods(out);
+    if (result == RESULT_OK)
+        result = read_taus(out);
+    if (result == RESULT_OK)
+        result = read_flights(out);
+    if (result == RESULT_OK)
+        read_counts(out);
+    return result;
+}

@@ -1,0 +1,103 @@
+#include "app/accuracy/accuracy_report.h"
+
+#include <inttypes.h>
+#include <math.h>
+
+static int64_t cracks_of(const AccuracySummary *s) {
+    return s->t_junctions + s->holes + s->overlaps;
+}
+
+void accuracy_fault(const Accuracy *accuracy, const AccuracyRun *run, char out[ACCURACY_TEXT_BYTES]) {
+    const AccuracySummary *s = &run->summary;
+    const AccuracyVariant *variant = &accuracy->plan.variants[run->variant];
+    const AccuracyFrame *frame = &run->frames[s->worst_frame];
+    out[0] = '\0';
+    if (accuracy_run_holds(run))
+        return;
+    int used = snprintf(out, ACCURACY_TEXT_BYTES, "%s at tau %g px over %s", variant->name, run->tau_px,
+                        accuracy->dems[run->dem].name);
+    if (cracks_of(s))
+        used += snprintf(out + used, (size_t)(ACCURACY_TEXT_BYTES - used),
+                         ": %" PRId64 " T-junctions, %" PRId64 " holes, %" PRId64 " overlaps", s->t_junctions, s->holes,
+                         s->overlaps);
+    if (s->promised && !(frame->measure.max_px <= frame->reached_px))
+        snprintf(out + used, (size_t)(ACCURACY_TEXT_BYTES - used),
+                 "%s %.4g px measured where at most %.4g were promised", cracks_of(s) ? ";" : ":",
+                 frame->measure.max_px, frame->reached_px);
+}
+
+typedef struct Tally {
+    int promised, held, cracked;
+    double most; // of what was tolerated, in the runs that promise
+} Tally;
+
+static Tally tally_of(const Accuracy *accuracy) {
+    Tally tally = {0};
+    for (int i = 0; i < accuracy->run_count; i++) {
+        const AccuracyRun *run = &accuracy->runs[i];
+        const AccuracyFrame *frame = &run->frames[run->summary.worst_frame];
+        tally.promised += run->summary.promised;
+        tally.held += run->summary.promised && accuracy_run_holds(run);
+        tally.cracked += cracks_of(&run->summary) > 0;
+        if (run->summary.promised)
+            tally.most = fmax(tally.most, frame->measure.max_px / frame->reached_px);
+    }
+    return tally;
+}
+
+static int64_t frames_of(const Accuracy *accuracy) {
+    int64_t frames = 0;
+    for (int i = 0; i < accuracy->run_count; i++)
+        frames += accuracy->dems[accuracy->runs[i].dem].pose_count;
+    return frames;
+}
+
+void accuracy_verdict(const Accuracy *accuracy, char out[ACCURACY_TEXT_BYTES]) {
+    Tally tally = tally_of(accuracy);
+    if (!accuracy_holds(accuracy))
+        snprintf(out, ACCURACY_TEXT_BYTES,
+                 "BROKEN: %d of %d runs that promise a bound kept it; %d of %d runs had cracks, in %" PRId64
+                 " frames measured at every sample.",
+                 tally.held, tally.promised, tally.cracked, accuracy->run_count, frames_of(accuracy));
+    else
+        snprintf(out, ACCURACY_TEXT_BYTES,
+                 "Every promise held: all %d runs that promise a bound kept it, using up at most %.2f %% of it, and no "
+                 "surface had a crack, in %" PRId64 " frames measured at every sample.",
+                 tally.promised, 100.0 * tally.most, frames_of(accuracy));
+}
+
+static void write_run(const Accuracy *accuracy, const AccuracyRun *run, FILE *to) {
+    const AccuracySummary *s = &run->summary;
+    fprintf(to, "%-28s %5g  %8.3f %8.3f %8.3f %8.4f  %-9s %7.2f %7" PRId64 "  %9.0f %5.1f  %8.2f %8.2f %8.2f\n",
+            accuracy->plan.variants[run->variant].name, run->tau_px, s->max_px, s->p999_px, s->rms_px,
+            100.0 * s->above_tau_share,
+            !accuracy_run_holds(run) ? "BROKEN"
+            : s->promised            ? "held"
+                                     : "none",
+            s->popping_px, cracks_of(s), s->triangles_mean, 100.0 * s->rebuilt_share, s->refine_ms.p50, s->frame_ms.p50,
+            s->frame_ms.p99);
+}
+
+void accuracy_write_text(const Accuracy *accuracy, FILE *to) {
+    char text[ACCURACY_TEXT_BYTES];
+    for (int dem = 0; dem < accuracy->plan.dem_count; dem++) {
+        const AccuracyDem *d = &accuracy->dems[dem];
+        int of_dem = accuracy->plan.variant_count * accuracy->plan.tau_count;
+        fprintf(to, "%s, %d x %d samples; %d frames of %d flights, %d rounds; %s%s\n\n", d->name, d->width, d->height,
+                d->pose_count, accuracy->plan.flight_count, accuracy->plan.rounds,
+                *accuracy->renderer ? accuracy->renderer : "nothing drawn",
+                accuracy->software ? ", a software renderer" : "");
+        fprintf(to, "%-28s %5s  %8s %8s %8s %8s  %-9s %7s %7s  %9s %5s  %8s %8s %8s\n", "method", "tau", "max px",
+                "p99.9", "rms", "% above", "promise", "popping", "cracks", "triangles", "% new", "refine", "frame p50",
+                "p99 ms");
+        for (int i = dem * of_dem; i < (dem + 1) * of_dem; i++)
+            write_run(accuracy, &accuracy->runs[i], to);
+        fputc('\n', to);
+    }
+    accuracy_verdict(accuracy, text);
+    fprintf(to, "%s\n", text);
+    if (accuracy->worst.run < 0)
+        return;
+    accuracy_command(accuracy, &accuracy->runs[accuracy->worst.run], accuracy->worst.frame, text, sizeof text);
+    fprintf(to, "The worst frame again: %s\n", text);
+}
