@@ -89,7 +89,7 @@
     X(FULLSCREEN, "fullscreen", 'f', FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY, "the whole screen")                 \
     X(FPS, "fps", 0, NUMBER, "HZ", "60", 1, 1000, NULL, COMMAND_FLY, "frames a second at most")                        \
     X(FRAMES, "frames", 'n', INTEGER, "N", "0", 0, 1000000000, NULL, COMMAND_FLY | COMMAND_BENCH,                      \
-      "leave after N frames, or measure so many; 0: fly until told to leave, or a measurement's own number")                                              \
+      "leave after N frames, or measure so many; 0: when told to, or a measurement's own number")                      \
     X(LOCKSTEP, "lockstep", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY,                                           \
       "stages one after another, 1/60 s a frame: the same pictures each time")                                         \
     X(DEMO, "demo", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY, "fly the scene's demonstration")                  \

@@ -19,7 +19,7 @@ typedef struct TerrainOptions {
     TerrainErrorKind error;
     int error_stride; // TOTAL: diamonds of a larger step (samples) are bounded from their parts, which is faster to
                       // build and takes more triangles; a power of two, or 0: every diamond is looked at
-    int patch_level; // bisections within a patch, even, 2..14; 12: pages of side 65
+    int patch_level;  // bisections within a patch, even, 2..14; 12: pages of side 65
 } TerrainOptions;
 TerrainOptions terrain_default_options(void);
 

@@ -1,5 +1,6 @@
-// app/accuracy/accuracy_html.h: a report as one HTML page that needs nothing else: styles, script and pictures are in
-// it. Units are in the columns' titles. Everything is borrowed.
+// app/accuracy/accuracy_html.h: a report as one page of HTML, with its styles, script and pictures in it.
+// Units are in the columns' titles.
+// Everything is borrowed.
 #pragma once
 #include "app/accuracy/accuracy_report.h"
 
