@@ -11,7 +11,7 @@
 
 #define ROUNDS_LEAST 5 // fewer show no spread
 #define FULL_METHODS "hybrid,patch,roam,roam-parallel,geomipmap,geomipmap:centre,geomipmap-ye,diamond"
-#define QUICK_METHODS "hybrid,patch,roam,geomipmap,geomipmap:centre,geomipmap-ye,diamond"
+#define QUICK_METHODS "hybrid,patch,roam,geomipmap,geomipmap-ye,diamond"
 #define FULL_TAUS "0.5,1,2,4"
 #define QUICK_TAUS "1,2,4"
 #define FULL_KINDS "midpoint,total:8,total"
@@ -19,8 +19,8 @@
 #define FLIGHTS "valley,ridge,pass,dive,turn"
 #define FULL_FRAMES 24
 #define QUICK_FRAMES 6
-#define QUICK_WIDTH 480
-#define QUICK_HEIGHT 300
+#define QUICK_WIDTH 400
+#define QUICK_HEIGHT 250
 #define CENTRE ":centre"
 
 // The next part of a list separated by commas, of at most size - 1 bytes; false at the end or when it is longer.

@@ -5,9 +5,11 @@
 
 #include <stdio.h>
 
+// Where subcommands differ in an option of one name, the first stands for it, unless one of them is asked for.
 static bool is_listed(OptionId id, unsigned commands) {
     bool asks_only = id == OPTION_HELP || id == OPTION_VERSION;
-    return !asks_only && (option_spec(id)->commands & commands);
+    bool first = (OptionId)option_find(option_spec(id)->name, COMMAND_CONFIG) == id;
+    return !asks_only && (option_spec(id)->commands & commands) && (commands != COMMANDS_ALL || first);
 }
 
 static void print_option(const Options *options, OptionId id) {
