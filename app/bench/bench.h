@@ -12,6 +12,7 @@ MUST_USE Result bench_accuracy(const Options *options);
 MUST_USE Result bench_preprocess(const Options *options);
 MUST_USE Result bench_refine(const Options *options);
 MUST_USE Result bench_partitions(const Options *options);
+MUST_USE Result bench_governor(const Options *options);
 
 // The machine this runs on.
 typedef struct BenchMachine {

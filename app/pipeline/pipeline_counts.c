@@ -60,11 +60,14 @@ static bool has_moved(const PipelineCounts *counts, const RenderPacket *packet) 
     return !same;
 }
 
-static bool is_disturbed(const PipelineCounts *counts, const RenderPacket *packet,
-                         const LodMethod methods[METHODS_HALVES], const RenderStats *render, const PipelineWork *work) {
-    return counts->last_end_ns == 0 || work->wrote || counts->stats.split != packet->split ||
-           counts->width != work->width || counts->height != work->height || counts->methods[0] != methods[0] ||
-           counts->methods[1] != methods[1] || render->resident.create_ms != counts->stats.render.resident.create_ms ||
+static bool is_another(const PipelineCounts *counts, const RenderPacket *packet,
+                       const LodMethod methods[METHODS_HALVES], const PipelineWork *work) {
+    return counts->last_end_ns == 0 || counts->stats.split != packet->split || counts->width != work->width ||
+           counts->height != work->height || counts->methods[0] != methods[0] || counts->methods[1] != methods[1];
+}
+
+static bool is_creation(const PipelineCounts *counts, const RenderStats *render) {
+    return render->resident.create_ms != counts->stats.render.resident.create_ms ||
            render->right.resident.create_ms != counts->stats.render.right.resident.create_ms;
 }
 
@@ -81,14 +84,15 @@ static PipelineFrame frame_of(const PipelineCounts *counts, const RenderPacket *
     double frame_ms = counts->last_end_ns ? (double)(now_ns - counts->last_end_ns) * MS_PER_NS : 0.0;
     const LodCut cut = told_cut(&packet->cut, &render->resident, render->partial);
     const LodCut right = told_cut(&packet->right, &render->right.resident, render->right.partial);
+    bool another = is_another(counts, packet, methods, work);
     return (PipelineFrame){
         .frame_ms = frame_ms,
         .cost_ms = fmax(frame_ms - (double)work->waited_ns * MS_PER_NS, longest_stage_ms(render, work)),
         .tau_px = cut.view.tau_px,
         .reached_px = cut.reached_px,
         .triangles = cut.stats.triangles + (packet->split ? right.stats.triangles : 0),
-        .moved = has_moved(counts, packet),
-        .disturbed = is_disturbed(counts, packet, methods, render, work)};
+        .moved = another || has_moved(counts, packet),
+        .disturbed = another || work->wrote || is_creation(counts, render)};
 }
 
 static void keep_frame(PipelineCounts *counts, const RenderPacket *packet, const LodMethod methods[METHODS_HALVES],

@@ -22,9 +22,9 @@ typedef struct PipelineFrame {
                      // at least, which is what a frame takes where stages overlap
     double tau_px, reached_px; // asked for and kept, of a split picture on the left
     int64_t triangles;         // of both halves
-    bool moved;                // seen from elsewhere, in another direction or through another lens than the one before
-    bool disturbed;            // nothing is to be learned from its time: the first, of another method or size than the
-                               // one before, or something was made or written meanwhile
+    bool moved;                // another view, lens, size or method than that of the one before, or the first
+    bool disturbed; // nothing is to be learned from its time: the first, the first of a size or method, or something
+                    // was made or written meanwhile
 } PipelineFrame;
 
 #define PIPELINE_FRAMES_KEPT 16

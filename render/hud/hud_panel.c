@@ -106,6 +106,21 @@ static void add_frame(Rows *rows, const RenderHud *hud) {
     add_number(rows, "frame p99", hud->frame_p99_ms, 1, "ms");
 }
 
+// What holding the frame time leaves for the error.
+static void add_target(Rows *rows, const RenderHud *hud, const LodCut *cut) {
+    char name[64], value[HUD_NUMBER_BYTES];
+    if (!(hud->target_ms > 0.0))
+        return;
+    if (hud->target_out_of_reach) {
+        snprintf(name, sizeof name, "target %.1f ms:", hud->target_ms);
+        add_row(rows, name, "out of reach", "", HUD_WARN);
+        return;
+    }
+    snprintf(name, sizeof name, "target %.1f ms: affords", hud->target_ms);
+    hud_format_fixed(value, cut->reached_px, cut->reached_px < 9.95 ? 2 : 1);
+    add_row(rows, name, value, "px", HUD_ACCENT);
+}
+
 static void add_memory(Rows *rows, const RenderStats *drawn) {
     add_bytes(rows, "VRAM", (double)drawn->vram_bytes);
     add_bytes(rows, "uploaded", (double)(drawn->upload_bytes + drawn->right.upload_bytes));
@@ -138,6 +153,7 @@ static void paint_both(const HudPainter *painter, const RenderPacket *packet, co
     Side left = left_side(packet, drawn), right = right_side(packet, drawn);
     Rows rows = paint_side(painter, painter->layout.panel, &left, drawn->software);
     add_frame(&rows, &packet->hud);
+    add_target(&rows, &packet->hud, &packet->cut);
     end_panel(&rows);
     rows = paint_side(painter, painter->layout.legend, &right, drawn->software);
     add_memory(&rows, drawn);
@@ -160,6 +176,7 @@ void hud_paint_numbers(const HudPainter *painter, const RenderPacket *packet, co
     add_gap(&rows);
     add_times(&rows, &side, drawn->software);
     add_frame(&rows, &packet->hud);
+    add_target(&rows, &packet->hud, &packet->cut);
     add_gap(&rows);
     add_memory(&rows, drawn);
     end_panel(&rows);
