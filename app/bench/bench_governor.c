@@ -1,5 +1,6 @@
 // `overfly bench governor`: how well the governor holds a frame time: on the built-in ridge flight, and on a view that
 // stands still. Drawn by the threaded pipeline, as `overfly fly --no-window --target-ms` draws.
+#define _DEFAULT_SOURCE // getloadavg
 #include "app/bench/bench.h"
 #include "app/flight/flight_pipeline.h"
 #include "app/flight/flight_session.h"
@@ -35,6 +36,7 @@ typedef struct Part {
     int count;
     int64_t seen, in_reach, changes, reversals, triangles;
     double passed_s, settle_s; // NAN: it did not settle
+    double reached_px, rest_s; // the last error kept, which a triangle budget decides as well; since when it is that
     double last_tau, direction;
     Governor governor; // at the end
 } Part;
@@ -48,6 +50,7 @@ typedef struct Bench {
     double start_px;
     double target_ms;
     bool picked;
+    double load; // average of the minute before: others' work is in the times
     char renderer[160];
     bool software;
 } Bench;
@@ -92,6 +95,9 @@ static void collect(Part *part, const PipelineStats *stats, const Governor *gove
     for (; part->seen < stats->frames; part->seen++) {
         const PipelineFrame *frame = &stats->latest[part->seen % PIPELINE_FRAMES_KEPT];
         part->passed_s += frame->frame_ms * 1e-3;
+        if (frame->reached_px != part->reached_px)
+            part->rest_s = part->passed_s;
+        part->reached_px = frame->reached_px;
         if (!counts(part) || part->count == part->frames)
             continue;
         part->frame_ms[part->count] = frame->frame_ms;
@@ -247,6 +253,8 @@ static void add_part(Json *json, Part *part) {
     json_add_bool(object, "settled", part->governor.settled);
     json_add_number(object, "settle_s", part->settle_s);
     json_add_integer(object, "changes_settled", part->governor.changes_settled);
+    json_add_number(object, "reached_px", part->reached_px);
+    json_add_number(object, "rest_s", part->rest_s);
 }
 
 static Result print_json(const Bench *bench, Part *ridge, Part *still) {
@@ -256,6 +264,7 @@ static Result print_json(const Bench *bench, Part *ridge, Part *still) {
     json_add_text(json, "method", options_text(bench->options, OPTION_METHOD));
     json_add_text(json, "renderer", bench->renderer);
     json_add_bool(json, "software", bench->software);
+    json_add_number(json, "load", bench->load);
     json_add_number(json, "target_ms", bench->target_ms);
     json_add_bool(json, "target_picked", bench->picked);
     json_add_number(json, "start_tau_px", bench->start_px);
@@ -319,6 +328,8 @@ static Result measure(const Bench *bench) {
 
 Result bench_governor(const Options *options) {
     Bench bench = {.options = options};
+    if (getloadavg(&bench.load, 1) != 1)
+        bench.load = NAN;
     Result result = prepare(&bench);
     if (result == RESULT_OK) {
         snprintf(bench.renderer, sizeof bench.renderer, "%s", context_renderer_name(bench.context));

@@ -23,8 +23,9 @@ typedef struct Fly {
 static Result check_target(const Options *options) {
     if (!options_is_set(options, OPTION_TARGET_MS) || !options_flag(options, OPTION_LOCKSTEP))
         return RESULT_OK;
-    log_error("--target-ms and --lockstep: expected one of them: a tolerance that follows the frame time would make the "
-              "pictures depend on the clock; take --tau or --max-triangles with --lockstep");
+    log_error(
+        "--target-ms and --lockstep: expected one of them: a tolerance that follows the frame time would make the "
+        "pictures depend on the clock; take --tau or --max-triangles with --lockstep");
     return RESULT_USAGE;
 }
 

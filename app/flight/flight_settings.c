@@ -18,21 +18,20 @@
 FlightSettings flight_settings_create(const Options *options) {
     bool hud = options_flag(options, OPTION_HUD);
     bool compare = options_is_set(options, OPTION_COMPARE);
-    return (FlightSettings){.method = (LodMethod)options_choice(options, OPTION_METHOD),
-                            .compare = compare,
-                            .right = compare ? (LodMethod)options_choice(options, OPTION_COMPARE) : LOD_HYBRID,
-                            .bound_corner = scene_bound_corner(options),
-                            .tau_px = options_number(options, OPTION_TAU),
-                            .target_ms = options_is_set(options, OPTION_TARGET_MS)
-                                             ? options_number(options, OPTION_TARGET_MS)
-                                             : 0.0,
-                            .fov_rad = options_number(options, OPTION_FOV) * GEODESY_RAD_PER_DEG,
-                            .colouring = (RenderColouring)options_choice(options, OPTION_COLOUR),
-                            .wireframe = options_flag(options, OPTION_WIREFRAME),
-                            .magenta = options_flag(options, OPTION_MAGENTA),
-                            .show_flight = hud,
-                            .show_numbers = hud,
-                            .clock = flight_clock_create(options_choice(options, OPTION_TIME_RATE))};
+    return (FlightSettings){
+        .method = (LodMethod)options_choice(options, OPTION_METHOD),
+        .compare = compare,
+        .right = compare ? (LodMethod)options_choice(options, OPTION_COMPARE) : LOD_HYBRID,
+        .bound_corner = scene_bound_corner(options),
+        .tau_px = options_number(options, OPTION_TAU),
+        .target_ms = options_is_set(options, OPTION_TARGET_MS) ? options_number(options, OPTION_TARGET_MS) : 0.0,
+        .fov_rad = options_number(options, OPTION_FOV) * GEODESY_RAD_PER_DEG,
+        .colouring = (RenderColouring)options_choice(options, OPTION_COLOUR),
+        .wireframe = options_flag(options, OPTION_WIREFRAME),
+        .magenta = options_flag(options, OPTION_MAGENTA),
+        .show_flight = hud,
+        .show_numbers = hud,
+        .clock = flight_clock_create(options_choice(options, OPTION_TIME_RATE))};
 }
 
 const char *flight_colouring_name(RenderColouring colouring) {

@@ -10,6 +10,7 @@
 // nothing: for costs that fall with the tolerance's power 0 .. 2 ELASTICITY any delay is stable.
 #define ELASTICITY 0.8
 #define APPROACH 0.12 // share of the way a frame
+#define APPROACH_MOST 0.4
 #define HURRY_S 2.0
 
 // The set point: the 95th percentile of the cost is held a little below the target.
@@ -25,16 +26,16 @@
 // Still views.
 #define STILL_FRAMES 3 // a slow simulation gives the same view now and then
 #define STILL_S 0.08
-#define SKIP 2           // frames of a new tolerance that make what they draw
-#define CLEAR_COUNT 3    // so many are enough where all of them
-#define CLEAR 0.25       // are this far off, in logarithms
-#define NEAR 0.12        // beyond it GOVERNOR_RECENT frames are enough
-#define FITS_BELOW 0.06  // of the set point, in logarithms
+#define SKIP 2          // frames of a new tolerance that make what they draw
+#define CLEAR_COUNT 3   // so many are enough where all of them
+#define CLEAR 0.25      // are this far off, in logarithms
+#define NEAR 0.12       // beyond it GOVERNOR_RECENT frames are enough
+#define FITS_BELOW 0.06 // of the set point, in logarithms
 #define FITS_ABOVE 0.04
 #define STEP_MAX 1.4
 #define ELASTICITY_MIN 0.15 // nearly all of the cost is fixed: more would be noise
 #define SLOW 2.0            // times the target; once SLOW_FRAMES take longer a frame counts as the target
-#define SLOW_FRAMES 6
+#define SLOW_FRAMES 10
 #define NARROW 0.03 // a bracket that is not worth halving
 #define INSIDE 0.15 // of a bracket: how near to its ends the next try may be
 
@@ -69,9 +70,7 @@ static void begin_anew(Governor *g) {
 }
 
 Governor governor_create(double target_ms, double tau_px) {
-    Governor g = {.target_ms = target_ms,
-                  .tau_px = within_limits(tau_px),
-                  .spread = SPREAD_BEGIN};
+    Governor g = {.target_ms = target_ms, .tau_px = within_limits(tau_px), .spread = SPREAD_BEGIN};
     begin_anew(&g);
     return g;
 }
@@ -152,6 +151,11 @@ static void judge_reach(Governor *g, double wish) {
                                              : GOVERNOR_IN_REACH;
 }
 
+// Frames that take longer than the target are few: each goes further.
+static double approach(const Governor *g, const GovernorFrame *frame) {
+    return fmin(APPROACH * fmax(frame->passed_s * 1e3 / g->target_ms, 1.0), APPROACH_MOST);
+}
+
 static void follow(Governor *g, const GovernorFrame *frame, double wish) {
     double u = log(g->tau_px);
     if (recent(g) < CLEAR_COUNT)
@@ -162,7 +166,7 @@ static void follow(Governor *g, const GovernorFrame *frame, double wish) {
         return;
     }
     double rate = g->hurry_s > 0.0 ? GOVERNOR_RATE_FINDING : GOVERNOR_RATE_MOVING;
-    go_to(g, within_limits(exp(u + APPROACH * (wish - u))), rate, frame->passed_s);
+    go_to(g, within_limits(exp(u + approach(g, frame) * (wish - u))), rate, frame->passed_s);
 }
 
 // ---- a still view ----
@@ -257,7 +261,8 @@ static void settle_anyway(Governor *g) {
         settle(g, GOVERNOR_IN_REACH);
         return;
     }
-    GovernorProbe last = {log(g->probe_px), g->cost_count ? log(median_of(g->costs, g->cost_count)) : set_point(g), true};
+    GovernorProbe last = {log(g->probe_px), g->cost_count ? log(median_of(g->costs, g->cost_count)) : set_point(g),
+                          true};
     const GovernorProbe *from = g->cost_count >= CLEAR_COUNT ? &last : g->fast.known ? &g->fast : &g->slow;
     if (from->known)
         try_at(g, exp(next_try(g, from)));
@@ -307,7 +312,7 @@ static bool is_heard(const GovernorFrame *frame) {
 double governor_hear(Governor *g, const GovernorFrame *frame) {
     bool heard = is_heard(frame);
     watch_view(g, frame);
-    g->hurry_s = fmax(g->hurry_s - fmax(frame->passed_s, 0.0), 0.0);
+    g->hurry_s = fmax(g->hurry_s - clamp(frame->passed_s, 0.0, g->target_ms * 1e-3), 0.0);
     double wish = heard && !g->settled ? learn(g, frame) : 0.0;
     if (is_still(g))
         search(g, frame, heard);

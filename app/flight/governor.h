@@ -6,11 +6,11 @@
 
 #define GOVERNOR_TAU_MIN_PX 0.1
 #define GOVERNOR_TAU_MAX_PX 64.0
-#define GOVERNOR_RATE_MOVING 2.0  // a tolerance changes by this factor a second at most while the view moves,
+#define GOVERNOR_RATE_MOVING 2.0   // a tolerance changes by this factor a second at most while the view moves,
 #define GOVERNOR_RATE_FINDING 64.0 // and by this one on a still view, and in the first seconds of a flight or target
-#define GOVERNOR_SETTLE_S 1.75    // by then a still view keeps its tolerance, where frames keep GOVERNOR_SETTLE_FRAMES
+#define GOVERNOR_SETTLE_S 1.75     // by then a still view keeps its tolerance, where frames keep GOVERNOR_SETTLE_FRAMES
 #define GOVERNOR_SETTLE_FRAMES 20
-#define GOVERNOR_RECENT 9 // frames whose median counts
+#define GOVERNOR_RECENT 9      // frames whose median counts
 #define GOVERNOR_PROBE_MOST 21 // frames of one tolerance in a still view
 
 // A drawn frame.
@@ -39,8 +39,8 @@ typedef struct Governor {
     double target_ms;
     double tau_px; // to ask for
     GovernorReach reach;
-    bool settled; // the view is still and the tolerance stays until it moves
-    int64_t changes; // of the tolerance
+    bool settled;            // the view is still and the tolerance stays until it moves
+    int64_t changes;         // of the tolerance
     int64_t changes_settled; // in this view since it settled: none
 
     // Inner state.
@@ -49,11 +49,11 @@ typedef struct Governor {
     double wish[GOVERNOR_RECENT]; // logarithms of the tolerances that the latest frames call for
     int wishes, steady;           // frames heard; of them in a row with about the tolerance steady_px
     double steady_px;
-    double hurry_s;               // left of the time in which tolerances may change fast
-    double still_s;               // since the view moved last
-    double search_s; // the same, but of a frame not more than the target
+    double hurry_s;                // left of the time in which tolerances may change fast
+    double still_s;                // since the view moved last
+    double search_s;               // the same, but of a frame not more than the target
     int still_frames, slow_frames; // since then; that took more than twice the target
-    double probe_px;              // the tolerance tried in a still view; what its frames cost:
+    double probe_px;               // the tolerance tried in a still view; what its frames cost:
     double costs[GOVERNOR_PROBE_MOST];
     int cost_count, skipped;
     GovernorProbe slow, fast; // nearest tolerances known to take too long, and not

@@ -85,14 +85,14 @@ static PipelineFrame frame_of(const PipelineCounts *counts, const RenderPacket *
     const LodCut cut = told_cut(&packet->cut, &render->resident, render->partial);
     const LodCut right = told_cut(&packet->right, &render->right.resident, render->right.partial);
     bool another = is_another(counts, packet, methods, work);
-    return (PipelineFrame){
-        .frame_ms = frame_ms,
-        .cost_ms = fmax(frame_ms - (double)work->waited_ns * MS_PER_NS, longest_stage_ms(render, work)),
-        .tau_px = cut.view.tau_px,
-        .reached_px = cut.reached_px,
-        .triangles = cut.stats.triangles + (packet->split ? right.stats.triangles : 0),
-        .moved = another || has_moved(counts, packet),
-        .disturbed = another || work->wrote || is_creation(counts, render)};
+    return (PipelineFrame){.frame_ms = frame_ms,
+                           .cost_ms =
+                               fmax(frame_ms - (double)work->waited_ns * MS_PER_NS, longest_stage_ms(render, work)),
+                           .tau_px = cut.view.tau_px,
+                           .reached_px = cut.reached_px,
+                           .triangles = cut.stats.triangles + (packet->split ? right.stats.triangles : 0),
+                           .moved = another || has_moved(counts, packet),
+                           .disturbed = another || work->wrote || is_creation(counts, render)};
 }
 
 static void keep_frame(PipelineCounts *counts, const RenderPacket *packet, const LodMethod methods[METHODS_HALVES],
