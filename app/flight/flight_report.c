@@ -139,11 +139,24 @@ Result flight_report_json(const FlightReport *report) {
     return result;
 }
 
+static void log_governor(const FlightSession *session) {
+    const Governor *governor = &session->governor;
+    if (!(session->settings.target_ms > 0.0))
+        return;
+    if (governor->reach == GOVERNOR_IN_REACH)
+        log_info("target %.1f ms: affords %.2f px%s", session->settings.target_ms, governor->tau_px,
+                 governor->settled ? ", settled" : "");
+    else
+        log_info("target %.1f ms: out of reach, %s", session->settings.target_ms,
+                 governor->reach == GOVERNOR_TOO_SLOW ? "too slow at any tolerance" : "faster at any tolerance");
+}
+
 void flight_report_log(const FlightReport *report) {
     const PipelineStats *stats = &report->stats;
     FrameTimesSummary frame = report->times.frame;
     log_info("%lld frames; %.1f ms a frame (p99 %.1f, longest %.1f)", (long long)stats->frames, frame.mean, frame.p99,
              frame.max);
+    log_governor(report->session);
     pipeline_cut_log(stats->split ? "left" : "last cut", &stats->cut);
     if (stats->split)
         pipeline_cut_log("right", &stats->right);

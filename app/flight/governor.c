@@ -59,6 +59,7 @@ static void forget_view(Governor *g) {
     g->still_s = g->search_s = 0.0;
     g->slow = g->fast = (GovernorProbe){0};
     g->cost_count = g->skipped = 0;
+    g->probe_px = 0.0;
 }
 
 static void begin_anew(Governor *g) {
@@ -70,7 +71,10 @@ static void begin_anew(Governor *g) {
 }
 
 Governor governor_create(double target_ms, double tau_px) {
-    Governor g = {.target_ms = target_ms, .tau_px = within_limits(tau_px), .spread = SPREAD_BEGIN};
+    Governor g = {.target_ms = target_ms,
+                  .tau_px = within_limits(tau_px),
+                  .goal_px = within_limits(tau_px),
+                  .spread = SPREAD_BEGIN};
     begin_anew(&g);
     return g;
 }
@@ -92,13 +96,15 @@ static double median_of(const double *values, int count) {
     return statistics_percentile(sorted, count, 0.5);
 }
 
-// Towards a tolerance within the limits, no faster than `rate` allows.
+// Towards a tolerance within the limits, no faster than `rate` allows. It is asked for in steps: another tolerance lets
+// no triangulation be used again.
 static void go_to(Governor *g, double tau_px, double rate, double passed_s) {
     double most = pow(rate, clamp(passed_s, 0.0, 1.0));
-    double to = clamp(tau_px, g->tau_px / most, g->tau_px * most);
-    if (to == g->tau_px)
+    g->goal_px = clamp(tau_px, g->goal_px / most, g->goal_px * most);
+    bool there = g->goal_px == g->probe_px || g->goal_px <= GOVERNOR_TAU_MIN_PX || g->goal_px >= GOVERNOR_TAU_MAX_PX;
+    if (g->goal_px == g->tau_px || (!there && fabs(log(g->goal_px / g->tau_px)) < log(GOVERNOR_STEP)))
         return;
-    g->tau_px = to;
+    g->tau_px = g->goal_px;
     g->changes++;
     g->changes_settled += g->settled;
 }
@@ -157,7 +163,7 @@ static double approach(const Governor *g, const GovernorFrame *frame) {
 }
 
 static void follow(Governor *g, const GovernorFrame *frame, double wish) {
-    double u = log(g->tau_px);
+    double u = log(g->goal_px);
     if (recent(g) < CLEAR_COUNT)
         return;
     judge_reach(g, wish);

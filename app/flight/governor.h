@@ -10,6 +10,7 @@
 #define GOVERNOR_RATE_FINDING 64.0 // and by this one on a still view, and in the first seconds of a flight or target
 #define GOVERNOR_SETTLE_S 1.75     // by then a still view keeps its tolerance, where frames keep GOVERNOR_SETTLE_FRAMES
 #define GOVERNOR_SETTLE_FRAMES 20
+#define GOVERNOR_STEP 1.04     // factor between two tolerances while the view moves, at least
 #define GOVERNOR_RECENT 9      // frames whose median counts
 #define GOVERNOR_PROBE_MOST 21 // frames of one tolerance in a still view
 
@@ -44,6 +45,7 @@ typedef struct Governor {
     int64_t changes_settled; // in this view since it settled: none
 
     // Inner state.
+    double goal_px;               // where tau_px follows in steps
     double spread;                // logarithm of how far the 95th percentile of costs lies above their median
     int64_t learned;              // frames behind `spread`
     double wish[GOVERNOR_RECENT]; // logarithms of the tolerances that the latest frames call for
