@@ -165,16 +165,19 @@ Result scene_load_dem(const Options *options, Dem **out) {
 
 TerrainOptions scene_terrain_options(const Options *options) {
     TerrainOptions terrain = terrain_default_options();
-    terrain.error = (TerrainErrorKind)options_choice(options, OPTION_ERROR);
+    terrain.error = options_choice(options, OPTION_ERROR) == 0 ? TERRAIN_ERROR_MIDPOINT : TERRAIN_ERROR_TOTAL;
+    terrain.error_stride = options_choice_number(options, OPTION_ERROR);
     terrain.patch_level = 2 * (options_choice(options, OPTION_PATCH_SIDE) + 1); // sides 3, 5, 9: 2, 4, 6 bisections
     return terrain;
 }
 
 Result scene_error_kind(const Options *options, const char *name, TerrainOptions *out) {
+    double numbers[4] = {0};
     *out = scene_terrain_options(options);
-    if (strcmp(name, "midpoint") != 0 && strcmp(name, "total") != 0)
+    if (option_parse(OPTION_ERROR, name, numbers) != RESULT_OK)
         return RESULT_USAGE;
-    out->error = strcmp(name, "total") == 0 ? TERRAIN_ERROR_TOTAL : TERRAIN_ERROR_MIDPOINT;
+    out->error = numbers[0] == 0.0 ? TERRAIN_ERROR_MIDPOINT : TERRAIN_ERROR_TOTAL;
+    out->error_stride = (int)numbers[1];
     return RESULT_OK;
 }
 

@@ -11,7 +11,7 @@
 
 #define CHOICES_DATUM "file|egm96|ellipsoid"
 #define CHOICES_VOIDS "fill|hole|error"
-#define CHOICES_ERROR "midpoint|total"
+#define CHOICES_ERROR "midpoint|total|total:N"
 #define CHOICES_PATCH_SIDE "3|5|9|17|33|65|129"
 #define CHOICES_METHOD "hybrid|patch|roam|roam-parallel|geomipmap|geomipmap-ye|diamond|brute"
 #define CHOICES_BOUND "published|centre|corner"
@@ -38,8 +38,9 @@
     X(BOUNDS, "bounds", 0, BOUNDS, "W,S,E,N", NULL, 0, 0, NULL, COMMANDS_DEM,                                          \
       "degrees, for images without georeference")                                                                      \
     X(GEOID, "geoid", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMANDS_WORK, "EGM96 grid (.pgm) instead of the own one")    \
-    X(ERROR, "error", 0, CHOICE, NULL, "total", 0, 0, CHOICES_ERROR, COMMANDS_SCENE,                                   \
-      "how vertex errors are defined; only total bounds the error at every sample")                                    \
+    X(ERROR, "error", 0, CHOICE, NULL, "total", 1, 1024, CHOICES_ERROR, COMMANDS_SCENE,                                \
+      "how vertex errors are defined; only total bounds the error at every sample; total:N looks at the samples of "   \
+      "diamonds up to a step of N, and bounds larger ones")                                                            \
     X(PATCH_SIDE, "patch-side", 0, CHOICE, NULL, "65", 0, 0, CHOICES_PATCH_SIDE, COMMANDS_SCENE, "samples a page side")\
                                                                                                                        \
     X(METHOD, "method", 'm', CHOICE, NULL, "hybrid", 0, 0, CHOICES_METHOD, COMMANDS_SCENE, "level-of-detail method")   \
@@ -90,7 +91,7 @@
     X(TARGET_MS, "target-ms", 0, NUMBER, "MS", NULL, 1, 1000, NULL, COMMAND_FLY | COMMAND_BENCH,                       \
       "move the tolerated error, from --tau, so that 95 of 100 frames take at most so long")                           \
     X(FRAMES, "frames", 'n', INTEGER, "N", "0", 0, 1000000000, NULL, COMMAND_FLY | COMMAND_BENCH,                      \
-      "leave after N frames, or measure so many; 0: fly until told to leave, or a measurement's own number")                                              \
+      "leave after N frames, or measure so many; 0: when told to, or a measurement's own number")                      \
     X(LOCKSTEP, "lockstep", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY,                                           \
       "stages one after another, 1/60 s a frame: the same pictures each time")                                         \
     X(DEMO, "demo", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY, "fly the scene's demonstration")                  \

@@ -122,15 +122,28 @@ static Result parse_flag(const char *text, double *out) {
     return RESULT_USAGE;
 }
 
-static Result parse_choice(const char *choices, const char *text, double *out) {
+// The number behind the colon of "total:8", where the choice is "total:N": a power of two in the row's range.
+static Result parse_choice_number(const OptionSpec *spec, const char *text, double *out) {
+    char *end;
+    long number = strtol(text, &end, 10);
+    bool read = *text >= '0' && *text <= '9' && *end == '\0';
+    if (!read || number < (long)spec->least || number > (long)spec->greatest || (number & (number - 1)) != 0)
+        return RESULT_USAGE;
+    *out = (double)number;
+    return RESULT_OK;
+}
+
+static Result parse_choice(const OptionSpec *spec, const char *text, double *out) {
     size_t typed = strlen(text);
     int index = 0;
-    for (const char *choice = choices; *choice; index++) {
+    for (const char *choice = spec->choices; *choice; index++) {
         size_t length = strcspn(choice, "|");
-        if (length == typed && strncasecmp(choice, text, length) == 0) {
-            *out = index;
+        bool numbered = length > 2 && strncmp(choice + length - 2, ":N", 2) == 0;
+        out[0] = index;
+        if (length == typed && !numbered && strncasecmp(choice, text, length) == 0)
             return RESULT_OK;
-        }
+        if (numbered && typed >= length && strncasecmp(choice, text, length - 1) == 0)
+            return parse_choice_number(spec, text + length - 1, &out[1]);
         choice += length + (choice[length] == '|');
     }
     return RESULT_USAGE;
@@ -180,7 +193,7 @@ static Result parse_value(const OptionSpec *spec, const char *text, double *out)
     case OPTION_TYPE_FLAG:
         return parse_flag(text, out);
     case OPTION_TYPE_CHOICE:
-        return parse_choice(spec->choices, text, out);
+        return parse_choice(spec, text, out);
     case OPTION_TYPE_TEXT:
     case OPTION_TYPE_PATH:
         return *text ? RESULT_OK : RESULT_USAGE;
@@ -194,6 +207,8 @@ void option_describe_expected(const OptionSpec *spec, char *out, size_t size) {
         size_t used = (size_t)snprintf(out, size, "one of ");
         for (const char *c = spec->choices; *c && used + 4 < size; c++)
             used += (size_t)snprintf(out + used, size - used, *c == '|' ? ", " : "%c", *c);
+        if (spec->greatest > 0.0 && used < size)
+            snprintf(out + used, size - used, " with N a power of two from %g to %g", spec->least, spec->greatest);
         return;
     }
     const char *expected = types[spec->type].expected;
@@ -238,6 +253,10 @@ static Result store(Value *value, const char *text, const char *where, OptionSou
     *value = (Value){.source = source, .text = new_text, .where = new_where};
     memcpy(value->numbers, numbers, sizeof value->numbers);
     return RESULT_OK;
+}
+
+Result option_parse(OptionId id, const char *text, double numbers[4]) {
+    return parse_value(&specs[id], text, numbers);
 }
 
 Result option_check(OptionId id, const char *text, const char *where, double numbers[4]) {
@@ -338,6 +357,10 @@ int64_t options_integer(const Options *options, OptionId id) {
 
 int options_choice(const Options *options, OptionId id) {
     return (int)options->values[id].numbers[0];
+}
+
+int options_choice_number(const Options *options, OptionId id) {
+    return (int)options->values[id].numbers[1];
 }
 
 double options_number(const Options *options, OptionId id) {

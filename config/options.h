@@ -26,7 +26,7 @@ typedef enum OptionType {
     OPTION_TYPE_SPEED,  // metres a second
     OPTION_TYPE_ANGLE,  // degrees
     OPTION_TYPE_BYTES,  // bytes; K, M, G are powers of 1024
-    OPTION_TYPE_CHOICE, // integer: the index among the choices
+    OPTION_TYPE_CHOICE, // integer: the index among the choices; of one that ends with ":N" the number as well
     OPTION_TYPE_TEXT,
     OPTION_TYPE_PATH,
     OPTION_TYPE_POSITION,  // latitude, longitude in degrees, altitude in metres
@@ -78,6 +78,10 @@ void options_destroy(Options **options);
 // the value is not of the type or outside the range; the message says what was expected.
 MUST_USE Result options_set(Options *options, OptionId id, const char *text, OptionSource source, const char *where);
 
+// Reads a text as the option's value, without setting it. `numbers`: as options_numbers would give them. USAGE: it is
+// none; nothing is said.
+MUST_USE Result option_parse(OptionId id, const char *text, double numbers[4]);
+
 // How many of the arguments come before the first that is neither an option of any subcommand nor the value of one: the
 // subcommand's place, if there is one. Says nothing about what is wrong.
 int options_count_leading(int argc, char *const *argv);
@@ -102,6 +106,8 @@ bool options_is_given(const Options *options, OptionId id); // by file, environm
 bool options_flag(const Options *options, OptionId id);
 int64_t options_integer(const Options *options, OptionId id); // INTEGER, BYTES
 int options_choice(const Options *options, OptionId id);
+// The N of "total:N", a power of two in the row's range; 0 for a choice without.
+int options_choice_number(const Options *options, OptionId id);
 double options_number(const Options *options, OptionId id); // NUMBER, LENGTH, SPEED, ANGLE
 // POSITION 3, DIRECTION 2, SIZE 2, BOUNDS 4 numbers.
 const double *options_numbers(const Options *options, OptionId id);

@@ -71,6 +71,13 @@ static Result check_options(const TerrainOptions *options, const Dem *dem, const
                   options->patch_level, PATCH_TEMPLATE_DEPTH_MAX);
         return RESULT_RANGE;
     }
+    int stride = options->error_stride;
+    if (stride < 0 || stride > TERRAIN_STRIDE_MAX || (stride & (stride - 1)) != 0) {
+        log_error(
+            "terrain: errors cannot be exact up to a stride of %d samples; give a power of two from 1 to %d, or 0",
+            stride, TERRAIN_STRIDE_MAX);
+        return RESULT_RANGE;
+    }
     if (dem->datum == DEM_DATUM_EGM96 && !geoid) {
         log_error("%s: heights are above EGM96, and no geoid is loaded to turn them into heights above the ellipsoid",
                   dem->file ? dem->file : "terrain");
@@ -87,6 +94,7 @@ static Result build_levels(Terrain *terrain, Jobs *jobs) {
                               .grid = terrain->grid,
                               .forest = &terrain->forest,
                               .kind = terrain->options.error,
+                              .stride = terrain->options.error_stride,
                               .scheme = ERROR_SCHEME_PARALLEL,
                               .void_bits = terrain->dem->void_bits};
     result = error_field_create(&errors, jobs, &terrain->errors);

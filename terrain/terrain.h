@@ -17,11 +17,15 @@ typedef enum TerrainErrorKind {
 
 typedef struct TerrainOptions {
     TerrainErrorKind error;
-    int patch_level; // bisections within a patch, even, 2..14; 12: pages of side 65
+    int error_stride; // TOTAL: diamonds of a larger step (samples) are bounded from their parts, which is faster to
+                      // build and takes more triangles; a power of two, or 0: every diamond is looked at
+    int patch_level;  // bisections within a patch, even, 2..14; 12: pages of side 65
 } TerrainOptions;
 TerrainOptions terrain_default_options(void);
 
 typedef struct Terrain Terrain;
+
+#define TERRAIN_STRIDE_MAX 1024
 
 // Takes the Dem over on success (and turns its heights into heights above the ellipsoid); on failure the
 // caller keeps it. `geoid` may be NULL for a DEM above the ellipsoid, else RESULT_NOT_FOUND; it is borrowed and must

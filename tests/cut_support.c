@@ -51,7 +51,7 @@ Dem *support_rough_dem(int width, int height, const DemGeoref *georef, double re
 }
 
 Terrain *support_terrain(Dem *dem, TerrainErrorKind error, int patch_level, Jobs *jobs) {
-    TerrainOptions options = {error, patch_level};
+    TerrainOptions options = {.error = error, .patch_level = patch_level};
     Terrain *terrain = NULL;
     assert_int_equal(terrain_create(&options, dem, NULL, jobs, &terrain), RESULT_OK);
     return terrain;

@@ -71,6 +71,36 @@ static void flags_are_turned_on_and_off(void **state) {
     options_destroy(&options);
 }
 
+static void a_choice_may_take_a_number(void **state) {
+    (void)state;
+    static const struct {
+        char *text;
+        int choice, number;
+    } GOOD[] = {{"midpoint", 0, 0}, {"total", 1, 0}, {"TOTAL", 1, 0}, {"total:1", 2, 1}, {"total:1024", 2, 1024}};
+    for (size_t i = 0; i < COUNT_OF(GOOD); i++) {
+        Options *options = create(COMMAND_MESH);
+        assert_int_equal(read_arguments(options, ARGS("--error", GOOD[i].text)), RESULT_OK);
+        assert_int_equal(options_choice(options, OPTION_ERROR), GOOD[i].choice);
+        assert_int_equal(options_choice_number(options, OPTION_ERROR), GOOD[i].number);
+        assert_string_equal(options_text(options, OPTION_ERROR), GOOD[i].text);
+        options_destroy(&options);
+    }
+    static char *const BAD[] = {"total:",   "total:0",  "total:3",  "total:2048", "total:-4",
+                                "total: 4", "total:4x", "total:N",  "midpoint:4", "total:4:4",
+                                "tot",      "totally",  "total:+4", "total:1e1",  "total:99999999999999999999"};
+    for (size_t i = 0; i < COUNT_OF(BAD); i++) {
+        Options *options = create(COMMAND_MESH);
+        Heard heard;
+        heard_begin(&heard);
+        Result result = read_arguments(options, ARGS("--error", BAD[i]));
+        heard_end();
+        if (result != RESULT_USAGE ||
+            !strstr(heard.text, "midpoint, total, total:N with N a power of two from 1 to 1024"))
+            fail_msg("'%s': %s, said '%s'", BAD[i], result_name(result), heard.text);
+        options_destroy(&options);
+    }
+}
+
 static void positionals_and_negative_values_pass(void **state) {
     (void)state;
     Options *options = create(COMMAND_SNAPSHOT);
@@ -252,6 +282,7 @@ int main(void) {
         cmocka_unit_test(every_row_is_whole),
         cmocka_unit_test(command_line_forms_mean_the_same),
         cmocka_unit_test(flags_are_turned_on_and_off),
+        cmocka_unit_test(a_choice_may_take_a_number),
         cmocka_unit_test(positionals_and_negative_values_pass),
         cmocka_unit_test(wrong_options_are_named_with_what_was_expected),
         cmocka_unit_test(the_command_line_wins_over_environment_over_file_over_default),

@@ -137,10 +137,10 @@ static void test_errors_nest_for_any_size_and_place(void **state) {
     jobs_destroy(&jobs);
 }
 
-static uint64_t field_hash(const Terrain *terrain, TerrainErrorKind kind, ErrorScheme scheme, int workers) {
+static uint64_t field_hash(const Terrain *terrain, TerrainErrorKind kind, int stride, ErrorScheme scheme, int workers) {
     Jobs *jobs = jobs_of(workers);
     ErrorFieldInput input = {
-        terrain_dem(terrain)->height_m, terrain_grid(terrain), &terrain->forest, kind, scheme, NULL};
+        terrain_dem(terrain)->height_m, terrain_grid(terrain), &terrain->forest, kind, stride, scheme, NULL};
     ErrorField field;
     assert_int_equal(error_field_create(&input, jobs, &field), RESULT_OK);
     uint64_t hash = error_field_hash(&field);
@@ -153,16 +153,24 @@ static void check_schemes(int width, int height, const DemGeoref *georef) {
     Jobs *jobs = jobs_of(1);
     Terrain *terrain =
         support_terrain(support_rough_dem(width, height, georef, 1200.0, SEED), TERRAIN_ERROR_TOTAL, 6, jobs);
-    for (int kind = TERRAIN_ERROR_MIDPOINT; kind <= TERRAIN_ERROR_TOTAL; kind++) {
-        uint64_t recursive = field_hash(terrain, (TerrainErrorKind)kind, ERROR_SCHEME_RECURSIVE, 1);
+    static const struct {
+        TerrainErrorKind kind;
+        int stride;
+    } KINDS[] = {{TERRAIN_ERROR_MIDPOINT, 0}, {TERRAIN_ERROR_TOTAL, 0},  {TERRAIN_ERROR_TOTAL, 1},
+                 {TERRAIN_ERROR_TOTAL, 2},    {TERRAIN_ERROR_TOTAL, 16}, {TERRAIN_ERROR_TOTAL, 1024}};
+    for (size_t k = 0; k < COUNT_OF(KINDS); k++) {
+        TerrainErrorKind kind = KINDS[k].kind;
+        int stride = KINDS[k].stride;
+        uint64_t recursive = field_hash(terrain, kind, stride, ERROR_SCHEME_RECURSIVE, 1);
         static const int WORKERS[] = {1, 2, 3, 8};
         for (size_t i = 0; i < COUNT_OF(WORKERS); i++) {
-            uint64_t parallel = field_hash(terrain, (TerrainErrorKind)kind, ERROR_SCHEME_PARALLEL, WORKERS[i]);
+            uint64_t parallel = field_hash(terrain, kind, stride, ERROR_SCHEME_PARALLEL, WORKERS[i]);
             if (parallel != recursive)
-                fail_msg("%d x %d, kind %d, %d workers: %016" PRIx64 ", recursive %016" PRIx64, width, height, kind,
-                         WORKERS[i], parallel, recursive);
+                fail_msg("%d x %d, kind %d, stride %d, %d workers: %016" PRIx64 ", recursive %016" PRIx64, width,
+                         height, kind, stride, WORKERS[i], parallel, recursive);
         }
-        print_message("%4d x %4d, kind %d: %016" PRIx64 " from all\n", width, height, kind, recursive);
+        print_message("%4d x %4d, kind %d, stride %d: %016" PRIx64 " from all\n", width, height, kind, stride,
+                      recursive);
     }
     terrain_destroy(&terrain);
     jobs_destroy(&jobs);
@@ -232,10 +240,16 @@ static double diamond_deviation(const Terrain *terrain, int col, int row, int s)
     return most;
 }
 
-static void check_total(const DemGeoref *georef, double relief_m, const char *name) {
+static Terrain *bounded_terrain(Dem *dem, int stride, Jobs *jobs) {
+    const TerrainOptions options = {.error = TERRAIN_ERROR_TOTAL, .error_stride = stride, .patch_level = 6};
+    Terrain *terrain;
+    assert_int_equal(terrain_create(&options, dem, NULL, jobs, &terrain), RESULT_OK);
+    return terrain;
+}
+
+static void check_total(const DemGeoref *georef, double relief_m, int stride, const char *name) {
     Jobs *jobs = jobs_of(2);
-    Terrain *terrain =
-        support_terrain(support_rough_dem(193, 161, georef, relief_m, SEED), TERRAIN_ERROR_TOTAL, 6, jobs);
+    Terrain *terrain = bounded_terrain(support_rough_dem(193, 161, georef, relief_m, SEED), stride, jobs);
     double least_room = INFINITY, most_room = 0.0;
     int64_t checked = 0;
     for (int row = 0; row < 161; row++) {
@@ -251,20 +265,67 @@ static void check_total(const DemGeoref *georef, double relief_m, const char *na
             least_room = fmin(least_room, room);
             most_room = fmax(most_room, exact > 1.0 ? room / exact : 0.0);
             if (room < 0.0)
-                fail_msg("%s: vertex (%d, %d): delta %.9g m, deviation %.9g m", name, col, row, (double)delta, exact);
+                fail_msg("%s, stride %d: vertex (%d, %d): delta %.9g m, deviation %.9g m", name, stride, col, row,
+                         (double)delta, exact);
         }
     }
-    print_message("%s: %" PRId64 " diamonds, at least %.3g m to spare\n", name, checked, least_room);
+    print_message("%s, stride %d: %" PRId64 " diamonds, at least %.3g m to spare\n", name, stride, checked, least_room);
     terrain_destroy(&terrain);
     jobs_destroy(&jobs);
 }
 
 static void test_the_total_error_bounds_every_sample_of_every_diamond(void **state) {
     (void)state;
-    check_total(&HILLS, 1800.0, "hills");
-    check_total(&HILLS, 0.0, "flat, curved by the Earth");
-    check_total(&METRES, 900.0, "UTM");
-    check_total(&GLOBE, 6000.0, "globe");
+    static const int STRIDES[] = {0, 1, 2, 8};
+    for (size_t i = 0; i < COUNT_OF(STRIDES); i++) {
+        check_total(&HILLS, 1800.0, STRIDES[i], "hills");
+        check_total(&HILLS, 0.0, STRIDES[i], "flat, curved by the Earth");
+        check_total(&METRES, 900.0, STRIDES[i], "UTM");
+        check_total(&GLOBE, 6000.0, STRIDES[i], "globe");
+    }
+}
+
+// Bounding sees nothing that looking would not: with a smaller stride no error falls, and a stride above all diamonds
+// is the exact field.
+static void test_bounded_errors_are_never_below_exact_ones(void **state) {
+    (void)state;
+    static const int STRIDES[] = {1024, 64, 16, 4, 1};
+    Jobs *jobs = jobs_of(2);
+    Terrain *finer = bounded_terrain(support_rough_dem(300, 201, &HILLS, 1500.0, SEED), 0, jobs);
+    uint64_t exact = error_field_hash(&finer->errors);
+    for (size_t i = 0; i < COUNT_OF(STRIDES); i++) {
+        Terrain *coarser = bounded_terrain(support_rough_dem(300, 201, &HILLS, 1500.0, SEED), STRIDES[i], jobs);
+        int64_t raised = 0;
+        for (int sample = 0; sample < 300 * 201; sample++) {
+            int before = error_field_at(&finer->errors, sample % 300, sample / 300).delta;
+            int after = error_field_at(&coarser->errors, sample % 300, sample / 300).delta;
+            if (after < before)
+                fail_msg("stride %d, sample %d: code %d below %d", STRIDES[i], sample, after, before);
+            raised += after > before;
+        }
+        bool all_exact = STRIDES[i] >= 64; // the largest base tile has a side of 128
+        assert_int_equal(error_field_hash(&coarser->errors) == exact, all_exact);
+        assert_int_equal(raised > 0, !all_exact);
+        check_nesting(coarser, "bounded");
+        terrain_destroy(&finer);
+        finer = coarser;
+    }
+    terrain_destroy(&finer);
+    jobs_destroy(&jobs);
+}
+
+static void test_a_stride_that_is_no_power_of_two_is_refused(void **state) {
+    (void)state;
+    static const int STRIDES[] = {-1, 3, 2048};
+    Jobs *jobs = jobs_of(1);
+    for (size_t i = 0; i < COUNT_OF(STRIDES); i++) {
+        const TerrainOptions options = {.error = TERRAIN_ERROR_TOTAL, .error_stride = STRIDES[i], .patch_level = 6};
+        Dem *dem = support_rough_dem(9, 9, &HILLS, 100.0, SEED);
+        Terrain *terrain;
+        assert_int_equal(terrain_create(&options, dem, NULL, jobs, &terrain), RESULT_RANGE);
+        dem_destroy(&dem);
+    }
+    jobs_destroy(&jobs);
 }
 
 static void test_codes_round_up_and_keep_the_order(void **state) {
@@ -289,6 +350,8 @@ int main(void) {
         cmocka_unit_test(test_errors_nest_on_every_vertex_of_puget_sound),
         cmocka_unit_test(test_errors_nest_on_every_vertex_of_maui),
         cmocka_unit_test(test_the_total_error_bounds_every_sample_of_every_diamond),
+        cmocka_unit_test(test_bounded_errors_are_never_below_exact_ones),
+        cmocka_unit_test(test_a_stride_that_is_no_power_of_two_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

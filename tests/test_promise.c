@@ -402,9 +402,39 @@ static void test_the_midpoint_metric_is_whole_but_promises_nothing(void **state)
     bench_end(&b);
 }
 
+// Exact up to a stride, bounded above it: the same promise, for more triangles.
+static void test_bounded_errors_keep_the_promise_with_more_triangles(void **state) {
+    (void)state;
+    const DemGeoref georef = {DEM_CRS_GEOGRAPHIC, 0, false, 12.3, 46.9, 0.0006, -0.0004};
+    static const int STRIDES[] = {0, 16, 2, 1};
+    int64_t before = 0;
+    for (size_t i = 0; i < COUNT_OF(STRIDES); i++) {
+        Bench b = rough_bench(TERRAIN_ERROR_TOTAL, 0);
+        lod_destroy(&b.lod);
+        terrain_destroy(&b.terrain);
+        const TerrainOptions options = {.error = TERRAIN_ERROR_TOTAL, .error_stride = STRIDES[i], .patch_level = 6};
+        const LodOptions lod = lod_default_options();
+        Dem *dem = support_rough_dem(301, 260, &georef, 900.0, SEED);
+        assert_int_equal(terrain_create(&options, dem, NULL, b.jobs, &b.terrain), RESULT_OK);
+        assert_int_equal(lod_create(&lod, b.terrain, &b.lod), RESULT_OK);
+        int64_t triangles = 0;
+        for (int k = 0; k < 8; k++) {
+            LodView view = support_view(support_eye(b.terrain, 25.0 * k, 120.0, 300.0), 1.0 + k);
+            bench_check(&b, &view, "bounded");
+            assert_true(b.cut.promises);
+            triangles += b.cut.stats.triangles;
+        }
+        print_message("stride %d: %" PRId64 " triangles\n", STRIDES[i], triangles);
+        assert_true(triangles > before);
+        before = triangles;
+        bench_end(&b);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_hard_shapes_are_drawn_within_the_tolerance),
+        cmocka_unit_test(test_bounded_errors_keep_the_promise_with_more_triangles),
         cmocka_unit_test(test_a_plane_takes_few_triangles),
         cmocka_unit_test(test_any_size_is_covered),
         cmocka_unit_test(test_holes_keep_their_shape),

@@ -98,8 +98,9 @@ void accuracy_clear(Accuracy *accuracy) {
             track_clear(&accuracy->dems[i].tracks[k]);
         free(accuracy->dems[i].poses);
     }
-    free(accuracy->worst.error_px);
-    free(accuracy->worst.picture);
+    preprocess_clear(&accuracy->scaling.preprocess);
+    free(accuracy->worst.heat.rgb);
+    free(accuracy->worst.picture.rgb);
     *accuracy = (Accuracy){.runs = NULL};
 }
 

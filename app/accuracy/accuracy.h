@@ -3,6 +3,7 @@
 // Milliseconds, pixels at the image centre (or its corners, with --bound corner), bytes.
 // An Accuracy owns all below it; accuracy_run fills it, reports only read it. Main thread.
 #pragma once
+#include "app/bench/bench_preprocess.h"
 #include "app/scene_load.h"
 #include "app/track/track.h"
 #include "base/base.h"
@@ -129,12 +130,18 @@ typedef struct AccuracyDem {
     int pose_count;
 } AccuracyDem;
 
+// A picture, rows from the top.
+typedef struct AccuracyHeat {
+    int width, height;
+    uint8_t *rgb; // [height][width][3]
+} AccuracyHeat;
+
 // The worst frame of all that promise: what a heat map and a picture show.
 typedef struct AccuracyWorst {
-    int run, frame;   // -1: no run
-    float *error_px;  // [height][width] of its DEM; NaN: not covered
-    uint8_t *picture; // RGB [plan.height][plan.width]; NULL: nothing was drawn
-    bool repeated;    // a refinement from scratch gave the same error again
+    int run, frame;       // -1: no run
+    AccuracyHeat heat;    // where in the DEM the error is
+    AccuracyHeat picture; // the frame itself; rgb NULL: nothing was drawn
+    bool repeated;        // a refinement from scratch gave the same error again
 } AccuracyWorst;
 
 // A refinement from scratch by a number of workers, over a few views of the first DEM.
@@ -151,6 +158,7 @@ typedef struct AccuracyScaling {
     int speed_count;
     int views;
     double tau_px;
+    PreprocessBench preprocess;
 } AccuracyScaling;
 
 typedef struct Accuracy {

@@ -41,6 +41,11 @@ double accuracy_badness(const AccuracyFrame *frame);
 // Where one of the DEM's runs has the worst frame so far, keeps it: measured again from scratch, and drawn.
 MUST_USE Result accuracy_keep_worst(Accuracy *accuracy, int dem, Context *context);
 
+// A map of a frame's errors, [height][width] of the DEM, at most 720 pixels a side; what `out` held is freed. The eye
+// is ringed in white, the worst sample in red; what is above the bound is magenta, what is not covered black. MEMORY.
+MUST_USE Result accuracy_make_heat(const Terrain *terrain, const float *error_px, const AccuracyFrame *frame,
+                                   const Viewpoint *eye, AccuracyHeat *out);
+
 // How refinement from scratch gains by workers. What lod_create fails with; MEMORY.
 MUST_USE Result accuracy_scale(const AccuracyPlan *plan, const AccuracyDem *dem, AccuracyScaling *out);
 

@@ -1,6 +1,6 @@
 #include "app/accuracy/accuracy_report.h"
 #include "app/bench/bench.h"
-#include "app/commands/help.h"
+#include "app/version.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -112,7 +112,7 @@ static void add_dem(Json *dems, const Accuracy *accuracy, const AccuracyDem *dem
 
 static void add_setting(Json *json, const Accuracy *accuracy) {
     const AccuracyPlan *plan = &accuracy->plan;
-    json_add_text(json, "version", help_version());
+    json_add_text(json, "version", version_text());
     json_add_integer(json, "unix_s", accuracy->unix_s);
     json_add_bool(json, "quick", plan->quick);
     json_add_text(json, "renderer", *accuracy->renderer ? accuracy->renderer : NULL);
@@ -170,6 +170,7 @@ Json *accuracy_make_json(const Accuracy *accuracy) {
         add_run(runs, accuracy, &accuracy->runs[i]);
     add_equal_errors(json, accuracy);
     add_scaling(json, &accuracy->scaling);
+    bench_add_preprocess(json, "preprocessing", &accuracy->scaling.preprocess);
     accuracy_verdict(accuracy, verdict);
     json_add_text(json, "verdict", verdict);
     json_add_bool(json, "promises_held", accuracy_holds(accuracy));

@@ -43,6 +43,7 @@ static Result build_errors(const AccuracyDem *dem, const AccuracyKind *kind, con
                              .grid = terrain_grid(world->terrain),
                              .forest = &world->terrain->forest,
                              .kind = kind->terrain.error,
+                             .stride = kind->terrain.error_stride,
                              .void_bits = terrain_dem(world->terrain)->void_bits};
     ErrorField field;
     int64_t begin = clock_now_ns();

@@ -15,6 +15,7 @@
 #define FULL_TAUS "0.5,1,2,4"
 #define QUICK_TAUS "1,2,4"
 #define FULL_KINDS "midpoint,total:8,total"
+#define QUICK_KINDS "midpoint"
 #define FLIGHTS "valley,ridge,pass,dive,turn"
 #define FULL_FRAMES 24
 #define QUICK_FRAMES 6
@@ -50,7 +51,10 @@ static Result add_kind(AccuracyPlan *plan, const char *name) {
     AccuracyKind *kind = &plan->kinds[plan->kind_count];
     Result result = scene_error_kind(plan->options, name, &kind->terrain);
     if (result != RESULT_OK) {
-        log_error("--errors: found '%s'; expected 'midpoint', 'total' or 'total:STRIDE', separated by commas", name);
+        log_error("--errors: found '%s'; expected 'midpoint', 'total' or 'total:N' with N a power of two up to 1024, "
+                  "separated by "
+                  "commas",
+                  name);
         return RESULT_USAGE;
     }
     snprintf(kind->name, sizeof kind->name, "%s", name);
@@ -60,7 +64,7 @@ static Result add_kind(AccuracyPlan *plan, const char *name) {
 
 static Result read_kinds(AccuracyPlan *plan) {
     char name[24];
-    const char *list = text_or(plan->options, OPTION_ERRORS, plan->quick ? "" : FULL_KINDS);
+    const char *list = text_or(plan->options, OPTION_ERRORS, plan->quick ? QUICK_KINDS : FULL_KINDS);
     Result result = add_kind(plan, options_text(plan->options, OPTION_ERROR));
     while (result == RESULT_OK && *list)
         result = next_word(&list, name, sizeof name) ? add_kind(plan, name) : add_kind(plan, list);

@@ -30,12 +30,6 @@ typedef struct Scaling {
     int poses[VIEWS_MAX];
 } Scaling;
 
-// 1, 2, 3, 4, then doubled, at last all.
-static int next_threads(int threads, int all) {
-    int next = threads < 4 ? threads + 1 : 2 * threads;
-    return threads < all && next > all ? all : next;
-}
-
 static Result enter(Scaling *s, LodMethod method, int threads) {
     Racer *racer = &s->racers[s->out->speed_count];
     LodOptions options = scene_lod_options(s->plan->options);
@@ -54,7 +48,7 @@ static Result enter_all(Scaling *s) {
     int all = jobs_worker_count(s->dem->worlds[0].jobs);
     Result result = RESULT_OK;
     for (size_t i = 0; i < COUNT_OF(METHODS); i++)
-        for (int threads = 1; threads <= all && result == RESULT_OK; threads = next_threads(threads, all))
+        for (int threads = 1; threads <= all && result == RESULT_OK; threads = preprocess_next_threads(threads, all))
             if (s->out->speed_count < ACCURACY_SPEEDS_MAX)
                 result = enter(s, METHODS[i], threads);
     return result;
@@ -120,6 +114,14 @@ static Result count(Scaling *s) {
     return RESULT_OK;
 }
 
+static Result preprocess(Scaling *s) {
+    static const int full[] = {513, 1025, 2049}, quick[] = {257, 513};
+    const int *sides = s->plan->quick ? quick : full;
+    int count = s->plan->quick ? (int)COUNT_OF(quick) : (int)COUNT_OF(full);
+    return preprocess_measure(sides, count, s->plan->rounds, jobs_worker_count(s->dem->worlds[0].jobs),
+                              &s->out->preprocess);
+}
+
 static void choose_views(Scaling *s) {
     int step = s->dem->pose_count / VIEWS_MAX > 0 ? s->dem->pose_count / VIEWS_MAX : 1;
     for (int i = 0; i < s->dem->pose_count && s->out->views < VIEWS_MAX; i += step)
@@ -135,6 +137,8 @@ Result accuracy_scale(const AccuracyPlan *plan, const AccuracyDem *dem, Accuracy
         result = race(&s);
     if (result == RESULT_OK)
         result = count(&s);
+    if (result == RESULT_OK)
+        result = preprocess(&s);
     for (int i = 0; i < out->speed_count; i++) {
         lod_destroy(&s.racers[i].lod);
         arena_destroy(&s.racers[i].frame);

@@ -33,45 +33,54 @@ static Result draw(const Accuracy *accuracy, const AccuracyPass *pass, Context *
     return result;
 }
 
-static Result make_room(const AccuracyPlan *plan, const AccuracyDem *dem, bool picture, AccuracyWorst *worst) {
-    free(worst->error_px);
-    free(worst->picture);
-    worst->picture = NULL;
-    worst->error_px = malloc(sizeof *worst->error_px * (size_t)dem->width * (size_t)dem->height);
-    if (picture)
-        worst->picture = malloc((size_t)plan->width * (size_t)plan->height * 3);
-    if (worst->error_px && (worst->picture || !picture))
-        return RESULT_OK;
-    log_error("bench: no memory to show the worst frame");
-    return RESULT_MEMORY;
-}
-
-static Result measure_again(Accuracy *accuracy, AccuracyPass *pass) {
+static Result measure_again(Accuracy *accuracy, const AccuracyPass *pass, float *error_px) {
     AccuracyWorst *worst = &accuracy->worst;
     const AccuracyFrame *frame = &accuracy->runs[worst->run].frames[worst->frame];
-    const MeasureMaps maps = {.error_px = worst->error_px};
+    const MeasureMaps maps = {.error_px = error_px};
     Measure measure;
     LodCut cut = pass->cut;
     if (accuracy->plan.tamper)
         accuracy->plan.tamper(accuracy->plan.tamper_user, pass->world->terrain, &cut);
     Result result = measure_cut_maps(pass->world->terrain, &cut, pass->world->jobs, &maps, &measure);
     worst->repeated = result == RESULT_OK && measure.max_px == frame->measure.max_px;
+    if (result != RESULT_OK)
+        return result;
+    return accuracy_make_heat(pass->world->terrain, error_px, frame, &pass->dem->poses[worst->frame].at, &worst->heat);
+}
+
+static Result make_map(Accuracy *accuracy, const AccuracyPass *pass) {
+    float *error_px = malloc(sizeof *error_px * (size_t)pass->dem->width * (size_t)pass->dem->height);
+    if (!error_px) {
+        log_error("bench: no memory to map the worst frame");
+        return RESULT_MEMORY;
+    }
+    Result result = measure_again(accuracy, pass, error_px);
+    free(error_px);
     return result;
 }
 
+static Result make_picture(Accuracy *accuracy, const AccuracyPass *pass, Context *context) {
+    const AccuracyPlan *plan = &accuracy->plan;
+    AccuracyHeat *picture = &accuracy->worst.picture;
+    free(picture->rgb);
+    *picture = (AccuracyHeat){.width = plan->width, .height = plan->height};
+    picture->rgb = malloc((size_t)plan->width * (size_t)plan->height * 3);
+    if (picture->rgb)
+        return draw(accuracy, pass, context, accuracy->worst.frame, picture->rgb);
+    log_error("bench: no memory for a picture of %d x %d", plan->width, plan->height);
+    return RESULT_MEMORY;
+}
+
 static Result show(Accuracy *accuracy, int dem, Context *context) {
-    AccuracyWorst *worst = &accuracy->worst;
-    const AccuracyRun *run = &accuracy->runs[worst->run];
     AccuracyPass pass = {.lod = NULL};
-    Result result = make_room(&accuracy->plan, &accuracy->dems[dem], context != NULL, worst);
+    Result result =
+        accuracy_pass_begin(&accuracy->plan, &accuracy->dems[dem], &accuracy->runs[accuracy->worst.run], 1, &pass);
     if (result == RESULT_OK)
-        result = accuracy_pass_begin(&accuracy->plan, &accuracy->dems[dem], run, 1, &pass);
+        result = accuracy_pass_refine(&pass, accuracy->worst.frame);
     if (result == RESULT_OK)
-        result = accuracy_pass_refine(&pass, worst->frame);
-    if (result == RESULT_OK)
-        result = measure_again(accuracy, &pass);
+        result = make_map(accuracy, &pass);
     if (result == RESULT_OK && context)
-        result = draw(accuracy, &pass, context, worst->frame, worst->picture);
+        result = make_picture(accuracy, &pass, context);
     accuracy_pass_end(&pass);
     return result;
 }

@@ -2,6 +2,7 @@
 // Nanoseconds and milliseconds as named; metres.
 // Values; the caller owns what it allocates.
 #pragma once
+#include "app/bench/bench_preprocess.h"
 #include "app/json.h"
 #include "base/base.h"
 #include "config/options.h"
@@ -31,6 +32,9 @@ MUST_USE Result bench_tau(const Options *options, double *tau_px);
 
 // "machine": processor, processors, compiler, build.
 void bench_add_machine(Json *parent);
+
+// An array of the runs.
+void bench_add_preprocess(Json *parent, const char *name, const PreprocessBench *bench);
 
 // Bytes of the program's memory that hold no file, now; 0 where the system does not tell.
 int64_t bench_resident_bytes(void);

@@ -1,69 +1,100 @@
-// `overfly bench preprocess`: what the nested error fields cost, each way they can be computed, on synthetic rough
-// ground. The rounds are interleaved: each computes every kind once, so that a busy machine harms all alike.
+#include "app/bench/bench_preprocess.h"
+
 #include "app/bench/bench.h"
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/statistics.h"
-#include "terrain/errors/error_field.h"
 
-#include <inttypes.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-#define SIDES_MAX 8
-#define RUNS_MAX (SIDES_MAX * 8)
+#define STRIDE 4 // of the bounded kind
 
-typedef struct Run {
+static const struct {
     TerrainErrorKind kind;
-    ErrorScheme scheme;
-    int side, threads;
-    double *ns_per_vertex; // [rounds]
-    uint64_t hash;
-    bool equal; // the hash was the same in all rounds
-} Run;
+    int stride;
+} KINDS[] = {{TERRAIN_ERROR_MIDPOINT, 0}, {TERRAIN_ERROR_TOTAL, STRIDE}, {TERRAIN_ERROR_TOTAL, 0}};
 
-typedef struct Bench {
-    int rounds, threads;
-    int sides[SIDES_MAX], side_count;
-    Run runs[RUNS_MAX];
-    int run_count;
-} Bench;
-
-static const char *kind_name(TerrainErrorKind kind) {
-    return kind == TERRAIN_ERROR_TOTAL ? "total" : "midpoint";
+void preprocess_kind_name(const PreprocessRun *run, char out[PREPROCESS_NAME_BYTES]) {
+    if (run->stride)
+        snprintf(out, PREPROCESS_NAME_BYTES, "total:%d", run->stride);
+    else
+        snprintf(out, PREPROCESS_NAME_BYTES, "%s", run->kind == TERRAIN_ERROR_TOTAL ? "total" : "midpoint");
 }
 
-static const char *scheme_name(ErrorScheme scheme) {
-    return scheme == ERROR_SCHEME_RECURSIVE ? "recursive" : "parallel";
+const char *preprocess_scheme_name(const PreprocessRun *run) {
+    return run->scheme == ERROR_SCHEME_RECURSIVE ? "recursive" : "parallel";
 }
 
-static Result add_run(Bench *bench, TerrainErrorKind kind, ErrorScheme scheme, int side, int threads) {
-    Run *run = &bench->runs[bench->run_count];
-    *run = (Run){.kind = kind, .scheme = scheme, .side = side, .threads = threads, .equal = true};
-    run->ns_per_vertex = calloc((size_t)bench->rounds, sizeof *run->ns_per_vertex);
-    if (!run->ns_per_vertex)
+double preprocess_median(const PreprocessBench *bench, const PreprocessRun *run) {
+    return statistics_percentile(run->ns_per_vertex, bench->rounds, 0.5);
+}
+
+int preprocess_next_threads(int threads, int all) {
+    int next = threads < 4 ? threads + 1 : 2 * threads;
+    return threads < all && next > all ? all : next;
+}
+
+// ---- what is tried ----
+
+static Result add_run(PreprocessBench *bench, const PreprocessRun *form) {
+    PreprocessRun *runs = realloc(bench->runs, sizeof *runs * (size_t)(bench->run_count + 1));
+    if (!runs)
         return RESULT_MEMORY;
-    bench->run_count++;
-    return RESULT_OK;
+    bench->runs = runs;
+    PreprocessRun *run = &runs[bench->run_count++];
+    *run = *form;
+    run->equal = true;
+    run->ns_per_vertex = calloc((size_t)bench->rounds, sizeof *run->ns_per_vertex);
+    return run->ns_per_vertex ? RESULT_OK : RESULT_MEMORY;
 }
 
-static Result plan(Bench *bench) {
+static Result plan_side(PreprocessBench *bench, int side) {
     Result result = RESULT_OK;
-    for (int i = 0; i < bench->side_count && result == RESULT_OK; i++) {
-        for (int kind = TERRAIN_ERROR_MIDPOINT; kind <= TERRAIN_ERROR_TOTAL && result == RESULT_OK; kind++) {
-            result = add_run(bench, (TerrainErrorKind)kind, ERROR_SCHEME_RECURSIVE, bench->sides[i], 1);
-            if (result == RESULT_OK)
-                result = add_run(bench, (TerrainErrorKind)kind, ERROR_SCHEME_PARALLEL, bench->sides[i], 1);
-            if (result == RESULT_OK && bench->threads > 1)
-                result = add_run(bench, (TerrainErrorKind)kind, ERROR_SCHEME_PARALLEL, bench->sides[i], bench->threads);
-        }
+    for (size_t i = 0; i < COUNT_OF(KINDS) && result == RESULT_OK; i++) {
+        PreprocessRun run = {.kind = KINDS[i].kind, .stride = KINDS[i].stride, .side = side, .threads = 1};
+        run.scheme = ERROR_SCHEME_RECURSIVE;
+        result = add_run(bench, &run);
+        run.scheme = ERROR_SCHEME_PARALLEL;
+        for (; run.threads <= bench->threads && result == RESULT_OK;
+             run.threads = preprocess_next_threads(run.threads, bench->threads))
+            result = add_run(bench, &run);
     }
     return result;
 }
 
-static Result time_run(Run *run, int round, const float *height_m, const Grid *grid, const Forest *forest, Jobs *jobs) {
-    ErrorFieldInput input = {height_m, grid, forest, run->kind, run->scheme, NULL};
+// ---- timing ----
+
+typedef struct Ground {
+    float *height_m;
+    Grid *grid;
+    Forest forest;
+} Ground;
+
+static void ground_end(Ground *ground) {
+    forest_destroy(&ground->forest);
+    grid_destroy(&ground->grid);
+    free(ground->height_m);
+}
+
+static Result ground_begin(int side, Ground *out) {
+    const DemGeoref georef = {.crs = DEM_CRS_GEOGRAPHIC, .x0 = 19.0, .y0 = 50.0, .dx = 1.0 / 1200, .dy = -1.0 / 1200};
+    *out = (Ground){.height_m = malloc(sizeof *out->height_m * (size_t)side * (size_t)side)};
+    Result result = out->height_m ? grid_create(&georef, side, side, &out->grid) : RESULT_MEMORY;
+    if (result == RESULT_OK)
+        result = forest_create(side, side, &out->forest);
+    if (result == RESULT_OK)
+        bench_fill_rough(out->height_m, side);
+    return result;
+}
+
+static Result time_run(PreprocessRun *run, int round, const Ground *ground, Jobs *jobs) {
+    const ErrorFieldInput input = {.height_m = ground->height_m,
+                                   .grid = ground->grid,
+                                   .forest = &ground->forest,
+                                   .kind = run->kind,
+                                   .stride = run->stride,
+                                   .scheme = run->scheme};
     ErrorField field;
     int64_t begin = clock_now_ns();
     Result result = error_field_create(&input, jobs, &field);
@@ -77,105 +108,70 @@ static Result time_run(Run *run, int round, const float *height_m, const Grid *g
     return RESULT_OK;
 }
 
-// All rounds of the runs of one side.
-static Result time_side(Bench *bench, int side, const float *height_m, const Grid *grid, const Forest *forest) {
-    Jobs *one = NULL, *all = NULL;
-    Result result = jobs_create(1, &one);
-    if (result == RESULT_OK)
-        result = jobs_create(bench->threads, &all);
+// One round of a side's runs with so many threads.
+static Result time_threads(PreprocessBench *bench, int side, int threads, int round, const Ground *ground) {
+    Jobs *jobs = NULL;
+    Result result = jobs_create(threads, &jobs);
+    for (int i = 0; i < bench->run_count && result == RESULT_OK; i++)
+        if (bench->runs[i].side == side && bench->runs[i].threads == threads)
+            result = time_run(&bench->runs[i], round, ground, jobs);
+    if (jobs)
+        jobs_destroy(&jobs);
+    return result;
+}
+
+static Result time_side(PreprocessBench *bench, int side, const Ground *ground) {
     Progress progress = progress_begin("preprocess");
+    Result result = RESULT_OK;
     for (int round = 0; round < bench->rounds && result == RESULT_OK; round++) {
-        for (int i = 0; i < bench->run_count && result == RESULT_OK; i++) {
-            Run *run = &bench->runs[i];
-            if (run->side == side)
-                result = time_run(run, round, height_m, grid, forest, run->threads == 1 ? one : all);
-        }
+        for (int threads = 1; threads <= bench->threads && result == RESULT_OK;
+             threads = preprocess_next_threads(threads, bench->threads))
+            result = time_threads(bench, side, threads, round, ground);
         progress_update(&progress, (double)(round + 1) / bench->rounds);
     }
     progress_end(&progress);
-    jobs_destroy(&all);
-    jobs_destroy(&one);
     return result;
 }
 
-static Result bench_side(Bench *bench, int side) {
-    DemGeoref georef = {.crs = DEM_CRS_GEOGRAPHIC, .x0 = 19.0, .y0 = 50.0, .dx = 1.0 / 1200, .dy = -1.0 / 1200};
-    float *height_m = malloc(sizeof *height_m * (size_t)side * (size_t)side);
-    Grid *grid = NULL;
-    Forest forest = {0};
-    Result result = height_m ? grid_create(&georef, side, side, &grid) : RESULT_MEMORY;
-    if (result == RESULT_OK)
-        result = forest_create(side, side, &forest);
-    if (result == RESULT_OK) {
-        bench_fill_rough(height_m, side);
-        result = time_side(bench, side, height_m, grid, &forest);
-    }
-    if (result == RESULT_MEMORY)
-        log_error("bench preprocess: not enough memory for %d x %d samples", side, side);
-    forest_destroy(&forest);
-    grid_destroy(&grid);
-    free(height_m);
-    return result;
-}
-
-static void add_run_json(Json *array, Run *run, int rounds) {
-    char hash[24];
-    snprintf(hash, sizeof hash, "%016" PRIx64, run->hash);
-    statistics_sort(run->ns_per_vertex, rounds);
-    Json *row = json_append_object(array);
-    json_add_text(row, "kind", kind_name(run->kind));
-    json_add_text(row, "scheme", scheme_name(run->scheme));
-    json_add_integer(row, "size", run->side);
-    json_add_integer(row, "threads", run->threads);
-    json_add_number(row, "ns_per_vertex", statistics_percentile(run->ns_per_vertex, rounds, 0.5));
-    json_add_number(row, "ns_per_vertex_min", run->ns_per_vertex[0]);
-    json_add_number(row, "ns_per_vertex_max", run->ns_per_vertex[rounds - 1]);
-    json_add_text(row, "hash", hash);
-    json_add_bool(row, "equal_in_all_rounds", run->equal);
-}
-
-static Result print_json(Bench *bench) {
-    Json *json = json_create();
-    bench_add_machine(json);
-    json_add_integer(json, "rounds", bench->rounds);
-    Json *runs = json_add_array(json, "runs");
-    for (int i = 0; i < bench->run_count; i++)
-        add_run_json(runs, &bench->runs[i], bench->rounds);
-    Result result = json_print(json);
-    json_destroy(&json);
-    return result;
-}
-
-static void print_text(Bench *bench) {
-    printf("%-9s %-10s %6s %8s  %-26s %s\n", "error", "scheme", "side", "threads", "ns a vertex (min .. max)", "hash");
-    for (int i = 0; i < bench->run_count; i++) {
-        Run *run = &bench->runs[i];
-        statistics_sort(run->ns_per_vertex, bench->rounds);
-        printf("%-9s %-10s %6d %8d  %7.2f (%.2f .. %.2f)  %016" PRIx64 "%s\n", kind_name(run->kind),
-               scheme_name(run->scheme), run->side, run->threads,
-               statistics_percentile(run->ns_per_vertex, bench->rounds, 0.5), run->ns_per_vertex[0],
-               run->ns_per_vertex[bench->rounds - 1], run->hash, run->equal ? "" : "  DIFFERS BETWEEN ROUNDS");
-    }
-}
-
-Result bench_preprocess(const Options *options) {
-    Bench bench = {.rounds = (int)options_integer(options, OPTION_ROUNDS)};
-    Jobs *jobs = NULL;
-    Result result = jobs_create((int)options_integer(options, OPTION_THREADS), &jobs);
+static Result measure_side(PreprocessBench *bench, int side) {
+    Ground ground;
+    Result result = plan_side(bench, side);
     if (result != RESULT_OK)
         return result;
-    bench.threads = jobs_worker_count(jobs);
-    jobs_destroy(&jobs);
-    result = bench_read_sides(options_text(options, OPTION_SIDES), SIDES_MAX, bench.sides, &bench.side_count);
+    result = ground_begin(side, &ground);
     if (result == RESULT_OK)
-        result = plan(&bench);
-    for (int i = 0; i < bench.side_count && result == RESULT_OK; i++)
-        result = bench_side(&bench, bench.sides[i]);
-    if (result == RESULT_OK && options_flag(options, OPTION_JSON))
-        result = print_json(&bench);
-    else if (result == RESULT_OK)
-        print_text(&bench);
-    for (int i = 0; i < bench.run_count; i++)
-        free(bench.runs[i].ns_per_vertex);
+        result = time_side(bench, side, &ground);
+    ground_end(&ground);
+    if (result == RESULT_MEMORY)
+        log_error("bench preprocess: not enough memory for %d x %d samples", side, side);
     return result;
+}
+
+static Result count_threads(int threads, int *out) {
+    Jobs *jobs = NULL;
+    Result result = jobs_create(threads, &jobs);
+    if (result == RESULT_OK)
+        *out = jobs_worker_count(jobs);
+    if (jobs)
+        jobs_destroy(&jobs);
+    return result;
+}
+
+Result preprocess_measure(const int *sides, int side_count, int rounds, int threads, PreprocessBench *out) {
+    *out = (PreprocessBench){.rounds = rounds, .side_count = side_count};
+    Result result = count_threads(threads, &out->threads);
+    for (int i = 0; i < side_count && result == RESULT_OK; i++) {
+        out->sides[i] = sides[i];
+        result = measure_side(out, sides[i]);
+    }
+    for (int i = 0; i < out->run_count && result == RESULT_OK; i++)
+        statistics_sort(out->runs[i].ns_per_vertex, rounds);
+    return result;
+}
+
+void preprocess_clear(PreprocessBench *bench) {
+    for (int i = 0; i < bench->run_count; i++)
+        free(bench->runs[i].ns_per_vertex);
+    free(bench->runs);
+    *bench = (PreprocessBench){.runs = NULL};
 }

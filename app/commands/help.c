@@ -1,5 +1,6 @@
 #include "app/commands/help.h"
 
+#include "app/version.h"
 #include "config/files.h"
 
 #include <ctype.h>
@@ -76,10 +77,6 @@ void help_print_program(void) {
            "'overfly SUBCOMMAND --help' lists the options.\n");
 }
 
-const char *help_version(void) {
-    return OVERFLY_VERSION;
-}
-
 void help_print_version(void) {
-    printf("overfly %s\n", help_version());
+    printf("overfly %s\n", version_text());
 }

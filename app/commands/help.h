@@ -9,4 +9,3 @@ void help_print_program(void);
 // On stdout: one subcommand, its options with defaults, its environment variables and files.
 void help_print_command(const Command *command);
 void help_print_version(void);
-const char *help_version(void); // "1.2.3"

@@ -6,7 +6,7 @@
 //
 // Sources: Loeffler, Schwanke, Schumann 2010, section 3 (level by level, all diamonds of a level in parallel);
 // Lindstrom, Pascucci 2002, section 4 (nested errors and radii). Our own: packed planes, 16 bits rounded up, the total
-// error.
+// error, exact or bounded.
 #pragma once
 #include "base/base.h"
 #include "terrain/forest.h"
@@ -60,6 +60,7 @@ typedef struct ErrorFieldInput {
     const Grid *grid;
     const Forest *forest;
     TerrainErrorKind kind;
+    int stride;         // TERRAIN_ERROR_TOTAL: as TerrainOptions.error_stride
     ErrorScheme scheme; // the same bits either way
     // As Dem.void_bits, or NULL: samples that are to stay holes. They and their neighbours are always active, so that
     // a hole has its samples' shape in every cut.

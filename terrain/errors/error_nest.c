@@ -122,6 +122,31 @@ static void own_diagonal(const float *restrict above, const float *restrict here
     }
 }
 
+// Where `before` and `after` are the heights at the ends of the hypotenuses, `apex` and `opposite` those across.
+SIMD_CLONES
+static void bound_edges(const float *restrict here, const float *restrict before, const float *restrict after,
+                        const float *restrict apex, const float *restrict opposite, const uint16_t *restrict children,
+                        float drift, float sag, int width, uint16_t *restrict own) {
+    for (int i = 0; i < width; i++) {
+        float range = error_range(before[i], after[i], apex[i], opposite[i]);
+        own[i] = error_bound(error_midpoint(here[i], before[i], after[i]), children[i], range, drift, sag);
+    }
+}
+
+// Odd entries of row j; `children`: the largest of the edge midpoints around.
+SIMD_CLONES
+static void bound_diagonal(const float *restrict above, const float *restrict here, const float *restrict below,
+                           const uint16_t *restrict children, float drift, float sag, int j, int width,
+                           uint16_t *restrict own) {
+    int turn = j >> 1;
+    for (int i = 0; i < width; i++) {
+        float falling = error_midpoint(here[i], above[i - 1], below[i + 1]);
+        float rising = error_midpoint(here[i], above[i + 1], below[i - 1]);
+        float range = error_range(above[i - 1], above[i + 1], below[i - 1], below[i + 1]);
+        own[i] = error_bound(((i >> 1) + turn) & 1 ? rising : falling, children[i], range, drift, sag);
+    }
+}
+
 static inline uint16_t larger(uint16_t a, uint16_t b) {
     return a > b ? a : b;
 }
@@ -150,6 +175,14 @@ static void reach_centres(const float *restrict here, const float *restrict uppe
         float ab = a > b ? a : b, cd = c > d ? c : d;
         reach[i] = error_field_encode(ab > cd ? ab : cd);
     }
+}
+
+// Centres: children are the edge midpoints above, below, west and east.
+SIMD_CLONES
+static void fold_edges(const uint16_t *restrict above, const uint16_t *restrict below, const uint16_t *restrict here,
+                       int width, uint16_t *restrict folded) {
+    for (int i = 0; i < width; i++)
+        folded[i] = larger(larger(above[i], below[i]), larger(here[i - 1], here[i + 1]));
 }
 
 // Keeps the larger of own and children where (i & 1) == odd; forced entries (already infinite) stay.
@@ -207,10 +240,32 @@ static void fold_finer(const Pass *pass, int j, const float *here, Rows *rows) {
                   pairs(finer->radius + (size_t)down * stride), pass->terms[j].edge_reach2, width, rows->reach);
 }
 
+// A row whose heights stand in for those of a row that is not there: the midpoints' own.
+static const float *row_or(const Heights *heights, int j, float *buffer, const float *otherwise) {
+    return j < 0 || j >= heights->height ? otherwise : height_row(heights, j, buffer);
+}
+
+static void bound_edge_row(const Pass *pass, int j, const float *here, Rows *rows) {
+    const ErrorTerms *terms = &pass->terms[j];
+    const float *above = row_or(pass->heights, j - 1, rows->above, here);
+    const float *below = row_or(pass->heights, j + 1, rows->below, here);
+    const float *west = here - 1, *east = here + 1;
+    int width = pass->plane->width;
+    if (j & 1)
+        bound_edges(here, above, below, west, east, rows->children, terms->edge_drift, terms->edge_sag, width,
+                    rows->own);
+    else
+        bound_edges(here, west, east, above, below, rows->children, terms->edge_drift, terms->edge_sag, width,
+                    rows->own);
+}
+
+// After the children are folded.
 static void edge_own(const Pass *pass, int j, const float *here, Rows *rows) {
     const ErrorPlane *plane = pass->plane;
     int width = plane->width, last = plane->height - 1;
-    if (pass->work->input->kind == TERRAIN_ERROR_TOTAL) {
+    if (error_is_bounded(pass->work->input, plane->step)) {
+        bound_edge_row(pass, j, here, rows);
+    } else if (pass->work->input->kind == TERRAIN_ERROR_TOTAL) {
         memcpy(rows->own, plane->delta + (size_t)j * plane->stride, sizeof *rows->own * (size_t)width);
     } else if (j & 1) {
         const float *above = height_row(pass->heights, j - 1, rows->above);
@@ -224,11 +279,27 @@ static void edge_own(const Pass *pass, int j, const float *here, Rows *rows) {
 static void edge_row(const Pass *pass, int j, Rows *rows) {
     ErrorPlane *plane = pass->plane;
     const float *here = height_row(pass->heights, j, rows->here);
-    edge_own(pass, j, here, rows);
     if (pass->finer)
         fold_finer(pass, j, here, rows); // else the folded codes stay 0
+    edge_own(pass, j, here, rows);
     size_t at = (size_t)j * plane->stride;
     store_edges(rows->own, rows->children, rows->reach, !(j & 1), plane->width, plane->delta + at, plane->radius + at);
+}
+
+// The neighbours' codes are those of the plane, the row's own a copy.
+static void centre_own(const Pass *pass, int j, const float *const heights[3], const uint16_t *const codes[2],
+                       Rows *rows) {
+    const ErrorTerms *terms = &pass->terms[j];
+    int width = pass->plane->width;
+    if (error_is_bounded(pass->work->input, pass->plane->step)) {
+        fold_edges(codes[0], codes[1], rows->delta, width, rows->children);
+        bound_diagonal(heights[0], heights[1], heights[2], rows->children, terms->centre_drift, terms->centre_sag, j,
+                       width, rows->own);
+    } else if (pass->work->input->kind == TERRAIN_ERROR_TOTAL) {
+        memset(rows->own, 0, sizeof *rows->own * (size_t)width);
+    } else {
+        own_diagonal(heights[0], heights[1], heights[2], terms->centre_sag, j, width, rows->own);
+    }
 }
 
 static void centre_row(const Pass *pass, int j, Rows *rows) {
@@ -240,13 +311,12 @@ static void centre_row(const Pass *pass, int j, Rows *rows) {
     const float *above = height_row(pass->heights, j - 1, rows->above);
     const float *here = height_row(pass->heights, j, rows->here);
     const float *below = height_row(pass->heights, has_below ? j + 1 : j - 1, rows->below);
-    if (pass->work->input->kind == TERRAIN_ERROR_TOTAL)
-        memset(rows->own, 0, sizeof *rows->own * (size_t)width);
-    else
-        own_diagonal(above, here, below, pass->terms[j].centre_sag, j, width, rows->own);
     // The row is copied: its edge midpoints are read at i - 1 and i + 1 while its centres are written.
     memcpy(rows->delta - 1, plane->delta + at - 1, sizeof *rows->delta * ((size_t)width + 2));
     memcpy(rows->radius - 1, plane->radius + at - 1, sizeof *rows->radius * ((size_t)width + 2));
+    const float *const heights[3] = {above, here, below};
+    const uint16_t *const codes[2] = {plane->delta + up, plane->delta + down};
+    centre_own(pass, j, heights, codes, rows);
     store_centres(above, here, below, rows->own, plane->delta + up, plane->delta + down, plane->radius + up,
                   plane->radius + down, rows->delta, rows->radius, pass->terms[j].centre_reach2, width,
                   plane->delta + at, plane->radius + at);

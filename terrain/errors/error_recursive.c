@@ -40,6 +40,20 @@ static void fold_child(const Walk *walk, Corner m, Corner child, float reach2, E
     most->radius = code > most->radius ? code : most->radius;
 }
 
+static float height_or(const ErrorWork *work, Corner c, float otherwise) {
+    return inside(work, c) ? height_at(work, c) : otherwise;
+}
+
+// What the diamond adds to its children's errors where it is not looked at.
+static uint16_t bound_diamond(const ErrorWork *work, Corner left, Corner right, Corner apex, const ErrorTerms *terms,
+                              bool centre, uint16_t children) {
+    Corner opposite = {left.col + right.col - apex.col, left.row + right.row - apex.row};
+    float h = height_at(work, middle(left, right)), a = height_at(work, left), b = height_at(work, right);
+    float range = error_range(a, b, height_or(work, apex, h), height_or(work, opposite, h));
+    return error_bound(error_midpoint(h, a, b), children, range, centre ? terms->centre_drift : terms->edge_drift,
+                       centre ? terms->centre_sag : terms->edge_sag);
+}
+
 static void visit_diamond(const Walk *walk, Corner left, Corner right, Corner apex) {
     const ErrorWork *work = walk->work;
     Corner m = middle(left, right);
@@ -48,11 +62,12 @@ static void visit_diamond(const Walk *walk, Corner left, Corner right, Corner ap
     size_t at = (size_t)(m.row >> k) * plane->stride + (size_t)(m.col >> k);
     const ErrorTerms *terms = &work->terms[k][m.row >> k];
     bool centre = (m.col >> k) & (m.row >> k) & 1;
-    ErrorCodes most = {plane->delta[at], 0};
+    ErrorCodes most = {0, 0};
+    uint16_t own = plane->delta[at];
     if (work->input->kind == TERRAIN_ERROR_MIDPOINT) {
-        float own = error_midpoint(height_at(work, m), height_at(work, left), height_at(work, right));
-        uint16_t code = error_field_encode(own + (centre ? terms->centre_sag : terms->edge_sag));
-        most.delta = code > most.delta ? code : most.delta;
+        float error = error_midpoint(height_at(work, m), height_at(work, left), height_at(work, right));
+        uint16_t code = error_field_encode(error + (centre ? terms->centre_sag : terms->edge_sag));
+        own = code > own ? code : own;
     }
     if (k > 0 || centre) {
         float reach2 = centre ? terms->centre_reach2 : terms->edge_reach2;
@@ -62,6 +77,9 @@ static void visit_diamond(const Walk *walk, Corner left, Corner right, Corner ap
         fold_child(walk, m, child_of(left, opposite), reach2, &most);
         fold_child(walk, m, child_of(right, opposite), reach2, &most);
     }
+    if (error_is_bounded(work->input, plane->step) && own != ERROR_FIELD_ALWAYS)
+        own = bound_diamond(work, left, right, apex, terms, centre, most.delta);
+    most.delta = own > most.delta ? own : most.delta;
     plane->delta[at] = most.delta;
     plane->radius[at] = most.delta == ERROR_FIELD_ALWAYS ? 0 : most.radius;
 }

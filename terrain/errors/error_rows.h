@@ -32,6 +32,24 @@ static inline float error_midpoint(float h, float left, float right) {
     return d < 0.0f ? -d : d;
 }
 
+// Whether the plane's own errors are bounded from the children's, as its step is above the stride.
+static inline bool error_is_bounded(const ErrorFieldInput *input, int step) {
+    return input->kind == TERRAIN_ERROR_TOTAL && input->stride > 0 && step > input->stride;
+}
+
+#define ERROR_BOUND_GROW 1.000001f // covers the float arithmetic of a sum
+
+// A bound of a diamond's deviation that looks at no sample inside: splitting it moves its surface by a tent as high as
+// the midpoint's error, and what is left is the deviation of a child, `code` at most. `range`: of the corners' heights.
+static inline uint16_t error_bound(float midpoint, uint16_t code, float range, float drift, float sag) {
+    return error_field_encode((midpoint + error_field_decode(code) + (range * drift + sag)) * ERROR_BOUND_GROW);
+}
+
+static inline float error_range(float a, float b, float c, float d) {
+    float ab_low = a < b ? a : b, cd_low = c < d ? c : d, ab_high = a > b ? a : b, cd_high = c > d ? c : d;
+    return (ab_high > cd_high ? ab_high : cd_high) - (ab_low < cd_low ? ab_low : cd_low);
+}
+
 // The radius that a child at height `hc` with radius code `code` asks of its parent.
 static inline float error_reach(float h, float hc, float reach2, uint16_t code) {
     float d = h - hc;
@@ -43,7 +61,8 @@ ErrorTerms error_terms_of_row(const Grid *grid, int row, int step, int height, f
 // The largest |height|.
 float error_height_max(const float *height_m, size_t count);
 
-// Codes of own errors for TERRAIN_ERROR_TOTAL, written to delta, before nesting. Forced entries are left as they are.
+// Codes of own errors for TERRAIN_ERROR_TOTAL in the planes that are not bounded, written to delta, before nesting.
+// Forced entries are left as they are.
 MUST_USE Result error_total_own(const ErrorWork *work, Jobs *jobs, ErrorField *field);
 // Fill delta and radius, finest plane first.
 MUST_USE Result error_nest_parallel(const ErrorWork *work, Jobs *jobs, ErrorField *field);

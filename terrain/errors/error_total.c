@@ -223,6 +223,8 @@ Result error_total_own(const ErrorWork *work, Jobs *jobs, ErrorField *field) {
     for (int k = 0; k < field->plane_count; k++) {
         progress_update(&progress, (double)k / field->plane_count); // every plane scans every sample, once or twice
         ErrorPlane *plane = &field->planes[k];
+        if (error_is_bounded(work->input, plane->step))
+            break; // and so are all coarser ones
         Scan scan = {.work = work, .plane = plane, .terms = work->terms[k]};
         scan.bands = (2 * plane->step - 1 + BAND_ROWS - 1) / BAND_ROWS;
         if (scan.bands > 1) {

@@ -78,31 +78,30 @@ static void keep_highest(_Atomic uint32_t *place, double rise_m) {
     }
 }
 
-static void measure_rise(MeasureRun *run, int64_t col, int64_t row, int64_t sample, Vec3d off) {
-    Vec3d base, up;
-    grid_base(run->grid, (int)col, (int)row, &base, &up);
-    double rise_m = vec3d_dot(off, up);
-    if (isfinite(rise_m))
-        keep_highest(&run->rises[sample], rise_m);
+static double error_px(double px_per_rad, Vec3d exact, Vec3d off) {
+    double off_m = vec3d_length(off), away_m = vec3d_length(exact);
+    if (away_m > 0.0)
+        return px_per_rad * (off_m / away_m);
+    return off_m > 0.0 ? INFINITY : 0.0;
 }
 
-// `drawn` and the sample relative to the eye.
-static double error_px(MeasureRun *run, int64_t col, int64_t row, int64_t sample, Vec3d drawn) {
+// `drawn` is relative to the eye.
+static double look_at_sample(MeasureRun *run, int64_t col, int64_t row, int64_t sample, Vec3d drawn) {
     double h_m = (double)run->dem->height_m[sample];
     if (!isfinite(h_m))
         return INFINITY;
-    Vec3d exact = vec3d_sub(grid_ecef(run->grid, (int)col, (int)row, h_m), run->cut->view.eye_ecef);
-    if (run->rises)
-        measure_rise(run, col, row, sample, vec3d_sub(drawn, exact));
-    double off_m = vec3d_distance(exact, drawn), away_m = vec3d_length(exact);
-    if (away_m > 0.0)
-        return run->cut->view.px_per_rad * (off_m / away_m);
-    return off_m > 0.0 ? INFINITY : 0.0;
+    Vec3d base, up;
+    grid_base(run->grid, (int)col, (int)row, &base, &up);
+    Vec3d exact = vec3d_sub(vec3d_mad(base, up, h_m), run->cut->view.eye_ecef), off = vec3d_sub(drawn, exact);
+    double rise_m = vec3d_dot(off, up);
+    if (run->rises && isfinite(rise_m))
+        keep_highest(&run->rises[sample], rise_m);
+    return error_px(run->cut->view.px_per_rad, exact, off);
 }
 
 static void measure_sample(MeasureRun *run, MeasureWorker *worker, int64_t col, int64_t row, Vec3d drawn) {
     int64_t sample = row * run->dem->width + col;
-    double px = error_px(run, col, row, sample, drawn);
+    double px = look_at_sample(run, col, row, sample, drawn);
     keep_largest(&run->errors[sample], error_bits(px));
     keep_worst(worker, px, sample);
 }

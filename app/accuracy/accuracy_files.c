@@ -1,0 +1,129 @@
+#define _POSIX_C_SOURCE 200809L
+#include "app/accuracy/accuracy_html.h"
+#include "app/accuracy/accuracy_plots.h"
+#include "assets/image.h"
+#include "base/log.h"
+#include "config/files.h"
+#include "terrain/mesh/mesh_file.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+Result accuracy_check_report(const char *folder) {
+    char probe[PATHS_BYTES_MAX];
+    Result result = accuracy_check_plots();
+    if (result == RESULT_OK)
+        result = files_make_folder(folder);
+    if (result != RESULT_OK)
+        return result;
+    int printed = snprintf(probe, sizeof probe, "%s/.overfly-%ld", folder, (long)getpid());
+    FILE *file = printed > 0 && printed < (int)sizeof probe - 64 ? fopen(probe, "w") : NULL;
+    if (!file) {
+        log_error("%s: no file can be made in it: %s; name another folder with -o", folder, strerror(errno));
+        return RESULT_IO;
+    }
+    fclose(file);
+    unlink(probe);
+    return RESULT_OK;
+}
+
+// ---- files that appear whole or not at all ----
+
+typedef Result Printer(const Accuracy *accuracy, const char *folder, FILE *to);
+
+static Result print_frames(const Accuracy *accuracy, const char *folder, FILE *to) {
+    (void)folder;
+    accuracy_write_frames(accuracy, to);
+    return RESULT_OK;
+}
+
+static Result print_summary(const Accuracy *accuracy, const char *folder, FILE *to) {
+    (void)folder;
+    accuracy_write_summary(accuracy, to);
+    return RESULT_OK;
+}
+
+static Result print_json(const Accuracy *accuracy, const char *folder, FILE *to) {
+    (void)folder;
+    Json *json = accuracy_make_json(accuracy);
+    Result result = json_write(json, to);
+    json_destroy(&json);
+    return result;
+}
+
+static Result write_bytes(const char *path, const char *bytes, size_t count) {
+    MeshFile *file;
+    Result result = mesh_file_create(path, &file);
+    if (result != RESULT_OK)
+        return result;
+    mesh_file_bytes(file, bytes, count);
+    return mesh_file_commit(&file);
+}
+
+static Result write_file(const Accuracy *accuracy, const char *folder, const char *name, Printer *print) {
+    char path[PATHS_BYTES_MAX], *bytes = NULL;
+    size_t count = 0;
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    FILE *memory = open_memstream(&bytes, &count);
+    Result result = memory ? print(accuracy, folder, memory) : RESULT_MEMORY;
+    bool complete = memory && !ferror(memory);
+    complete = memory && fclose(memory) == 0 && complete;
+    if (result == RESULT_OK && !complete)
+        result = RESULT_MEMORY;
+    if (result == RESULT_MEMORY)
+        log_error("%s: no memory to write it", path);
+    if (result == RESULT_OK)
+        result = write_bytes(path, bytes, count);
+    free(bytes);
+    return result;
+}
+
+static Result write_flight(const AccuracyDem *dem, const char *stem, int flight, const char *folder) {
+    char path[PATHS_BYTES_MAX];
+    snprintf(path, sizeof path, "%s/flight-%s-%s.csv", folder, stem, dem->tracks[flight].name);
+    FILE *file = fopen(path, "w");
+    bool written = file && track_write(&dem->tracks[flight], file);
+    if (file && fclose(file) != 0)
+        written = false;
+    if (!written)
+        log_error("%s: writing failed: %s", path, strerror(errno));
+    return written ? RESULT_OK : RESULT_IO;
+}
+
+static Result write_flights(const Accuracy *accuracy, const char *folder) {
+    Result result = RESULT_OK;
+    for (int dem = 0; dem < accuracy->plan.dem_count; dem++) {
+        char stem[64];
+        accuracy_stem(accuracy, dem, stem);
+        for (int i = 0; i < accuracy->plan.flight_count && result == RESULT_OK; i++)
+            result = write_flight(&accuracy->dems[dem], stem, i, folder);
+    }
+    return result;
+}
+
+static Result write_picture(const AccuracyHeat *picture, const char *folder, const char *name) {
+    char path[PATHS_BYTES_MAX];
+    if (!picture->rgb)
+        return RESULT_OK;
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    return image_write_png(path, picture->width, picture->height, 3, picture->rgb);
+}
+
+Result accuracy_write_report(const Accuracy *accuracy, const char *folder) {
+    Result result = write_file(accuracy, folder, "frames.csv", print_frames);
+    if (result == RESULT_OK)
+        result = write_file(accuracy, folder, "summary.csv", print_summary);
+    if (result == RESULT_OK)
+        result = write_file(accuracy, folder, "summary.json", print_json);
+    if (result == RESULT_OK)
+        result = write_flights(accuracy, folder);
+    if (result == RESULT_OK)
+        result = write_picture(&accuracy->worst.heat, folder, "worst-frame-error.png");
+    if (result == RESULT_OK)
+        result = write_picture(&accuracy->worst.picture, folder, "worst-frame.png");
+    if (result == RESULT_OK)
+        result = accuracy_write_plots(accuracy, folder);
+    return result == RESULT_OK ? write_file(accuracy, folder, "report.html", accuracy_write_html) : result;
+}

@@ -1,0 +1,5 @@
+#include "app/version.h"
+
+const char *version_text(void) {
+    return OVERFLY_VERSION;
+}

@@ -1,0 +1,305 @@
+#!/usr/bin/env python3
+"""`overfly bench` from outside, at tiny sizes: its report in a browser, its figures in CSV and JSON, how it repeats and
+how it refuses. Usage: test_bench.py OVERFLY [NAME]..."""
+import csv
+import json
+import math
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+
+DEM = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "assets/data/dem/jacksboro_fault.tif")
+TINY = ["--quick", "--methods", "hybrid,geomipmap,geomipmap-ye", "--tau", "2,4", "--errors", "midpoint,total:8",
+        "--track", "ridge,turn", "--frames", "6", "--rounds", "5", "--size", "96x64", "--threads", "2"]
+FILES = ["frames.csv", "summary.csv", "summary.json", "report.html", "worst-frame-error.png", "worst-frame.png",
+         "plots.gp", "preprocessing.svg", "workers.svg", "flight-jacksboro_fault-ridge.csv",
+         "flight-jacksboro_fault-turn.csv"]
+PLOTS = ["pareto", "refine", "claimed", "triangles", "bound", "track", "times", "equal"]
+TIMES = ["select_ms", "refine_ms", "upload_ms", "draw_ms", "frame_ms", "frame_ms_min", "frame_ms_max", "memory_bytes"]
+
+
+class Fault(Exception):
+    pass
+
+
+class Skip(Exception):
+    pass
+
+
+def expect(what, found, wanted):
+    if found != wanted:
+        raise Fault(f"{what}: expected {wanted!r}, found {found!r}")
+
+
+def expect_true(what, holds):
+    if not holds:
+        raise Fault(what)
+
+
+class Cli:
+    """Runs the program; two runs of the tiny benchmark, each once, are kept."""
+
+    def __init__(self, program, folder):
+        self.program, self.folder, self.reports = program, folder, {}
+        self.environment = {k: v for k, v in os.environ.items() if not k.startswith("OVERFLY_")}
+        self.environment.update(HOME=folder, XDG_CONFIG_HOME=os.path.join(folder, "config"))
+        self.environment.pop("DISPLAY", None)
+
+    def run(self, *arguments, **environment):
+        done = subprocess.run([self.program, *arguments], capture_output=True, text=True, cwd=self.folder,
+                              env={**self.environment, **environment}, timeout=400, check=False)
+        return done.returncode, done.stdout, done.stderr
+
+    def report(self, name):
+        """(folder, JSON) of a run of the tiny benchmark."""
+        if name not in self.reports:
+            folder = os.path.join(self.folder, "made", name)  # folders that are not there are made
+            code, out, err = self.run("bench", *TINY, "-o", folder, "--json")
+            expect(f"exit status, having said {err!r}", code, 0)
+            self.reports[name] = (folder, json.loads(out))
+        return self.reports[name]
+
+    def refused(self, code, said, *arguments, **environment):
+        found, out, err = self.run(*arguments, **environment)
+        what = " ".join(arguments)
+        expect(f"{what}: exit status, having said {err!r}", found, code)
+        expect(f"{what}: stdout", out, "")
+        expect(f"{what}: errors in {err!r}", err.count("error: "), 1)
+        for part in said:
+            expect_true(f"{what}: expected {part!r} in {err!r}", part in err)
+
+
+def rows_of(folder, name):
+    with open(os.path.join(folder, name), newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def all_files_are_there(cli):
+    folder, _ = cli.report("first")
+    expected = set(FILES + [f"{plot}-jacksboro_fault.svg" for plot in PLOTS])
+    expect("files", set(os.listdir(folder)), expected)
+    for name in expected:
+        expect_true(f"{name} is empty", os.path.getsize(os.path.join(folder, name)) > 100)
+    expect_true("report.html has 5 MB or more", os.path.getsize(os.path.join(folder, "report.html")) < 5e6)
+
+
+def json_keeps_its_contract(cli):
+    folder, report = cli.report("first")
+    with open(os.path.join(folder, "summary.json"), encoding="utf-8") as file:
+        expect("summary.json against stdout", json.load(file), report)
+    expect("machine", sorted(report["machine"])[:2], ["compiler", "optimized"])
+    expect("runs", len(report["runs"]), 5 * 2)
+    for run in report["runs"]:
+        what = f"{run['variant']}, {run['tau_px']}"
+        for name in ("max_px", "p999_px", "p99_px", "rms_px", "above_tau_share", "t_junctions", "holes"):
+            expect_true(f"{what}: {name}", run["measured"][name] >= 0)
+        m = run["measured"]
+        expect_true(f"{what}: percentiles", m["rms_px"] <= m["p99_px"] <= m["p999_px"] <= m["max_px"])
+        for name in ("frame_ms", "refine_ms"):
+            p = run[name]
+            expect_true(f"{what}: {name}", 0 < p["p50"] <= p["p95"] <= p["p99"] <= p["max"])
+        least, most = run["frame_ms_p50_of_rounds"]
+        expect_true(f"{what}: rounds", 0 < least <= most)
+        expect(f"{what}: measured what was timed", run["measured_what_was_timed"], True)
+    expect("verdict", report["verdict"].startswith("Every promise held: all 4 runs that promise"), True)
+
+
+def promises_are_those_of_the_methods(cli):
+    for run in cli.report("first")[1]["runs"]:
+        promised = run["method"] == "hybrid" and run["error"] != "midpoint"
+        expect(f"{run['variant']}: promised", run["promised"], promised)
+        if promised:
+            expect(f"{run['variant']}: held", run["promise_held"], True)
+    ye = [run for run in cli.report("first")[1]["runs"] if run["method"] == "geomipmap-ye"]
+    expect("a method above its tolerance is not called kept", any(run["promise_held"] for run in ye), False)
+
+
+def errors_of_two_runs_are_the_same_bytes(cli):
+    first, second = (rows_of(cli.report(name)[0], "frames.csv") for name in ("first", "second"))
+    expect("rows", len(first), 5 * 2 * 2 * 6)
+    for row in first + second:
+        for name in TIMES:
+            expect_true(f"{name} {row[name]!r}", float(row.pop(name)) >= 0 or name == "memory_bytes")
+    expect("errors, poses and counts", first, second)
+
+
+def summaries_are_those_of_the_frames(cli):
+    folder, report = cli.report("first")
+    frames, summary = rows_of(folder, "frames.csv"), rows_of(folder, "summary.csv")
+    expect("rows", len(summary), len(report["runs"]))
+    for row, run in zip(summary, report["runs"]):
+        own = [f for f in frames if (f["variant"], f["tau_px"]) == (row["variant"], row["tau_px"])]
+        what = f"{row['variant']}, {row['tau_px']}"
+        expect(f"{what}: max", float(row["max_px"]), max(float(f["max_px"]) for f in own))
+        expect(f"{what}: JSON", run["measured"]["max_px"], float(row["max_px"]))
+        rms = math.sqrt(sum(float(f["rms_px"]) ** 2 for f in own) / len(own))
+        expect_true(f"{what}: RMS {row['rms_px']}", abs(float(row["rms_px"]) - rms) < 1e-9)
+        times = sorted(float(f["frame_ms"]) for f in own if f["jump"] == "0")
+        expect(f"{what}: p50", float(row["frame_ms_p50"]), times[math.ceil(0.5 * len(times)) - 1])
+        expect(f"{what}: popping is told but at jumps", {f["jump"] for f in own if f["popping_px"]}, {"0"})
+
+
+def the_command_of_the_worst_frame_measures_it_again(cli):
+    for run in cli.report("first")[1]["runs"]:
+        words = shlex.split(run["worst_frame"]["command"])
+        expect("program", words[0], "overfly")
+        code, out, err = cli.run(*words[1:], "--json")
+        expect(f"exit status, having said {err!r}", code, 0)
+        expect(f"{run['variant']}: error", json.loads(out)["measured"]["max_px"], run["worst_frame"]["max_px"])
+
+
+def other_kinds_of_errors_cost_and_give_what_they_should(cli):
+    report = cli.report("first")[1]
+    expect("kinds", [k["error"] for k in report["dems"][0]["preprocessing"]], ["total", "midpoint", "total:8"])
+    triangles = {r["error"]: r["triangles_mean"] for r in report["runs"] if r["method"] == "hybrid" and r["tau_px"] == 2}
+    expect_true(f"bounds take more triangles: {triangles}",
+                triangles["midpoint"] < triangles["total"] < triangles["total:8"])
+    kinds = {row["kind"] for row in report["preprocessing"]}
+    expect_true(f"kinds preprocessed: {kinds}", {"midpoint", "total"} <= kinds)
+
+
+def a_flight_from_a_file_is_flown(cli):
+    folder, report = cli.report("first")
+    flight = os.path.join(folder, "flight-jacksboro_fault-ridge.csv")
+    code, out, err = cli.run("bench", *TINY, "--track", flight, "--methods", "hybrid", "--errors", "total", "--json")
+    expect(f"exit status, having said {err!r}", code, 0)
+    again = json.loads(out)
+    expect("hash", again["dems"][0]["flights"][0]["hash"], report["dems"][0]["flights"][0]["hash"])
+    expect("name", again["dems"][0]["flights"][0]["name"], "flight-jacksboro_fault-ridge")
+
+
+def several_dems_stand_side_by_side(cli):
+    code, out, err = cli.run("bench", DEM, "jacksboro", *TINY, "--methods", "hybrid", "--errors", "total", "--track",
+                             "turn", "--json", "-o", "two")
+    expect(f"exit status, having said {err!r}", code, 0)
+    expect("dems", [run["dem"] for run in json.loads(out)["runs"]],
+           ["jacksboro_fault.tif"] * 2 + ["jacksboro"] * 2)
+    expect_true("plots of both", {"pareto-jacksboro_fault.svg", "pareto-jacksboro.svg"}
+                <= set(os.listdir(os.path.join(cli.folder, "two"))))
+
+
+def mistakes_are_named(cli):
+    quick = ["bench", *TINY]
+    cli.refused(2, ["--methods: found 'hybrd'", "did you mean 'hybrid'"], *quick, "--methods", "hybrd")
+    cli.refused(2, ["--methods: found ',hybrid'"], *quick, "--methods", ",hybrid")
+    cli.refused(2, ["--tau: found '1,x'", "0.01 to 1000"], *quick, "--tau", "1,x")
+    cli.refused(2, ["--tau: found '0'"], *quick, "--tau", "0")
+    cli.refused(2, ["--tau: found 'nan'"], *quick, "--tau", "nan")
+    cli.refused(2, ["--errors: found 'tottal'"], *quick, "--errors", "tottal")
+    cli.refused(2, ["--track: found 'rigde'", "did you mean 'ridge'"], *quick, "--track", "rigde")
+    cli.refused(1, ["no/flight.csv"], *quick, "--track", "no/flight.csv")
+    cli.refused(1, ["no-such.tif"], "bench", "no-such.tif", *TINY)
+    cli.refused(2, ["--tau: found '1,2'", "one number"], "bench", "refine", "--tau", "1,2")
+    cli.refused(1, ["gnuplot", "apt-get install gnuplot-nox"], *quick, "-o", "report", PATH="/nowhere")
+    with open(os.path.join(cli.folder, "file"), "w", encoding="utf-8"):
+        pass
+    cli.refused(1, ["file"], *quick, "-o", "file/report")
+
+
+def nothing_is_left_behind_by_what_was_refused(cli):
+    cli.refused(2, ["--tau"], "bench", *TINY, "--tau", "x", "-o", "never")
+    expect("folder", os.path.exists(os.path.join(cli.folder, "never")), False)
+
+
+def open_browser(folder):
+    try:
+        from selenium import webdriver
+    except ImportError as missing:
+        raise Skip("python3-selenium is not there") from missing
+    if not shutil.which("chromium") or not shutil.which("chromedriver"):
+        raise Skip("chromium or its driver is not there")
+    options = webdriver.ChromeOptions()
+    options.binary_location = shutil.which("chromium")
+    for argument in ("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking",
+                     "--disable-component-update", "--disable-sync", f"--user-data-dir={folder}/browser"):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    service = webdriver.chrome.service.Service(shutil.which("chromedriver"))
+    return webdriver.Chrome(service=service, options=options)
+
+
+def column_of(browser, column):
+    script = """const table = document.querySelector('table.sortable');
+                return Array.from(table.tBodies[0].rows).map(row => row.cells[arguments[0]].textContent);"""
+    return browser.execute_script(script, column)
+
+
+def click_title(browser, column):
+    script = "document.querySelector('table.sortable').tHead.rows[0].cells[arguments[0]].firstChild.click();"
+    browser.execute_script(script, column)
+
+
+def the_report_works_in_a_browser(cli):
+    folder, report = cli.report("first")
+    browser = open_browser(cli.folder)
+    try:
+        browser.get(f"file://{folder}/report.html")
+        pictures = browser.execute_script(
+            "return Array.from(document.images).map(i => [i.alt, i.complete && i.naturalWidth > 0])")
+        expect("pictures", len(pictures), 2 + len(PLOTS) + 2)
+        expect("pictures that do not load", [alt for alt, loaded in pictures if not loaded], [])
+        expect("verdict", browser.execute_script("return document.querySelector('#verdict').textContent")
+               .startswith("Every promise held"), True)
+        outside = browser.execute_script("return performance.getEntriesByType('resource').map(r => r.name)"
+                                         ".filter(name => !name.startsWith('data:'))")
+        expect("what the page asks for", outside, [])
+        check_sorting(browser, len(report["runs"]))
+        expect("console", [entry for entry in browser.get_log("browser")], [])
+        check_themes(browser)
+    finally:
+        browser.quit()
+
+
+def check_sorting(browser, count):
+    triangles = 11
+    before = column_of(browser, triangles)
+    expect("rows", len(before), count)
+    click_title(browser, triangles)
+    expect("ascending", column_of(browser, triangles), sorted(before, key=float))
+    click_title(browser, triangles)
+    expect("descending", column_of(browser, triangles), sorted(before, key=float, reverse=True))
+    click_title(browser, 0)
+    names = column_of(browser, 0)
+    expect("by name", names, sorted(names))
+
+
+def check_themes(browser):
+    inks = []
+    for theme in ("light", "dark"):
+        browser.execute_cdp_cmd("Emulation.setEmulatedMedia",
+                                {"features": [{"name": "prefers-color-scheme", "value": theme}]})
+        inks.append(browser.execute_script("const s = getComputedStyle(document.body); return [s.color, s.backgroundColor]"))
+    expect_true(f"light and dark differ: {inks}", inks[0][0] != inks[1][0] and inks[0][1] != inks[1][1])
+
+
+CASES = [all_files_are_there, json_keeps_its_contract, promises_are_those_of_the_methods,
+         errors_of_two_runs_are_the_same_bytes, summaries_are_those_of_the_frames,
+         the_command_of_the_worst_frame_measures_it_again, other_kinds_of_errors_cost_and_give_what_they_should,
+         a_flight_from_a_file_is_flown, several_dems_stand_side_by_side, mistakes_are_named,
+         nothing_is_left_behind_by_what_was_refused, the_report_works_in_a_browser]
+
+
+def main():
+    program, wanted = os.path.abspath(sys.argv[1]), sys.argv[2:]
+    faults = 0
+    with tempfile.TemporaryDirectory() as folder:
+        cli = Cli(program, folder)
+        for case in CASES:
+            if wanted and case.__name__ not in wanted:
+                continue
+            try:
+                case(cli)
+                print(f"ok      {case.__name__}", flush=True)
+            except Skip as skip:
+                print(f"skipped {case.__name__}: {skip}", flush=True)
+            except (Fault, subprocess.TimeoutExpired, ValueError, KeyError, OSError) as fault:
+                faults += 1
+                print(f"FAILED  {case.__name__}: {fault}", flush=True)
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
