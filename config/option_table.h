@@ -88,6 +88,8 @@
     X(WINDOW, "window", 0, FLAG, NULL, "true", 0, 0, NULL, COMMAND_FLY, "fly in a window; without: by EGL")            \
     X(FULLSCREEN, "fullscreen", 'f', FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY, "the whole screen")                 \
     X(FPS, "fps", 0, NUMBER, "HZ", "60", 1, 1000, NULL, COMMAND_FLY, "frames a second at most")                        \
+    X(TARGET_MS, "target-ms", 0, NUMBER, "MS", NULL, 1, 1000, NULL, COMMAND_FLY | COMMAND_BENCH,                       \
+      "move the tolerated error, from --tau, so that 95 of 100 frames take at most so long")                           \
     X(FRAMES, "frames", 'n', INTEGER, "N", "0", 0, 1000000000, NULL, COMMAND_FLY | COMMAND_BENCH,                      \
       "leave after N frames, or measure so many; 0: when told to, or a measurement's own number")                      \
     X(LOCKSTEP, "lockstep", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY,                                           \

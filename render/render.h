@@ -39,6 +39,8 @@ typedef struct RenderHud {
     const char *method;            // lod_method_name of what made the cut; static, or NULL
     const char *right_method;      // of what made `right`, where the picture is split
     double frame_ms, frame_p99_ms; // of the last seconds, whole frames
+    double target_ms;              // that the tolerance is moved to hold a frame to; 0: it is not
+    bool target_out_of_reach;      // with no tolerance
     const RenderHelpRow *help;     // the page of keys, help_count rows; static
     int help_count;
     const char *message; // one line for a few seconds, or NULL; lives as long as the packet

@@ -286,6 +286,36 @@ def a_snapshot_is_the_same_each_time(cli):
     expect("picture", cli.digest("b.png"), cli.digest("a.png"))
 
 
+def a_target_and_lockstep_exclude_one_another(cli):
+    cli.refused(2, "--target-ms and --lockstep", "fly", "--no-window", "--frames", "2", "--lockstep", "--target-ms", "20")
+    for value in ("0", "0.5", "1001", "-16", "fast", "nan"):
+        cli.refused(2, "--target-ms", "fly", "--no-window", "--frames", "2", f"--target-ms={value}")
+
+
+def a_governed_flight_tells_its_target(cli):
+    plain = cli.json("fly", *SMALL, "--no-window", "--frames", "5", "--tau", "2")
+    expect("fields without a target", [name for name in ("target_ms", "governed") if name in plain], [])
+    report = cli.json("fly", *SMALL, "--no-window", "--frames", "40", "--tau", "2", "--target-ms", "25")
+    expect("target", report["target_ms"], 25)
+    if not 0.1 <= report["tau_px"] <= 64:
+        raise Fault(f"tau {report['tau_px']}")
+    expect("fields", sorted(report["governed"]), ["changes", "changes_settled", "reach", "reachable", "settled"])
+    if not report["software"]:
+        return
+    slow = cli.json("fly", *SMALL, "--no-window", "--frames", "150", "--target-ms", "1")
+    expect("1 ms a frame", (slow["governed"]["reach"], slow["tau_px"]), ("too slow", 64))
+
+
+def the_governor_is_measured(cli):
+    report = cli.json("bench", "governor", *SMALL, "--frames", "60", "--target-ms", "15", "--max-triangles", "20000")
+    expect("target", (report["target_ms"], report["target_picked"]), (15, False))
+    for part in ("ridge", "fixed"):
+        for name in ("frame_ms", "p95_over_target", "within_15_percent", "reachable", "tau_px", "reversals"):
+            if name not in report[part]:
+                raise Fault(f"{part}: no {name}")
+    expect("changes of a view that stands", report["fixed"]["changes_settled"], 0)
+
+
 def two_methods_are_reported_side_by_side(cli):
     view = ["--size", "640x360", "--eye", "36.50,-84.20,1200m", "--look", "60,0"]
     picture = ["snapshot", *view, "--compare", "brute", "-o", cli.path("two.png")]
@@ -416,6 +446,7 @@ CASES = [help_is_instant_and_complete, help_comes_even_with_a_damaged_file, wron
          paths_of_a_scene_are_written_plainly, a_budget_below_the_smallest_mesh_says_so,
          brute_keeps_the_budget_in_flight_only,
          partitions_draw_the_serial_triangles, a_snapshot_is_the_same_each_time,
+         a_target_and_lockstep_exclude_one_another, a_governed_flight_tells_its_target, the_governor_is_measured,
          two_methods_are_reported_side_by_side, the_corner_bound_holds_in_flight_too,
          a_flight_repeats_in_lockstep, overlapped_stages_draw_what_lockstep_draws,
          pictures_are_spread_over_the_flight, without_a_display_it_says_how_to_get_a_window,

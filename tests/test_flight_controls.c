@@ -145,6 +145,21 @@ static void options_name_the_methods_that_there_are(void **state) {
     assert_string_equal(option_spec(OPTION_COMPARE)->choices, names);
 }
 
+static void a_governed_flight_gets_more_time_for_finer(void **state) {
+    (void)state;
+    char message[64];
+    FlightSettings settings = default_settings();
+    assert_true(settings.target_ms == 0.0);
+    settings.target_ms = 16.0;
+    for (int i = 0; i < 3; i++)
+        assert_true(flight_settings_apply(&settings, ACTION_FINER, message, sizeof message));
+    assert_true(fabs(settings.target_ms - 32.0) < 1e-9 && settings.tau_px == 1.0);
+    assert_string_equal(message, "target 32.0 ms a frame");
+    for (int i = 0; i < 99; i++)
+        flight_settings_apply(&settings, ACTION_COARSER, message, sizeof message);
+    assert_true(settings.target_ms == 1.0);
+}
+
 static void keys_change_what_they_say(void **state) {
     (void)state;
     char message[64];
@@ -294,6 +309,7 @@ int main(void) {
         cmocka_unit_test(every_action_has_keys_and_help),
         cmocka_unit_test(options_name_the_methods_that_there_are),
         cmocka_unit_test(keys_change_what_they_say),
+        cmocka_unit_test(a_governed_flight_gets_more_time_for_finer),
         cmocka_unit_test(a_method_that_cannot_come_is_told_once),
         cmocka_unit_test(the_corner_of_a_picture_sees_smaller_angles),
         cmocka_unit_test(a_demo_reaches_its_places_without_touching_the_ground),

@@ -11,6 +11,7 @@ static const struct {
     {"preprocess", bench_preprocess},
     {"refine", bench_refine},
     {"partitions", bench_partitions},
+    {"governor", bench_governor},
 };
 
 Result cmd_bench(const Options *options) {

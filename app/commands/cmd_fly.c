@@ -1,6 +1,6 @@
 #include "app/commands/command.h"
-#include "app/compute.h"
 #include "app/flight/flight_loop.h"
+#include "app/flight/flight_pipeline.h"
 #include "app/flight/flight_report.h"
 #include "app/picture_options.h"
 #include "app/pipeline/picture.h"
@@ -18,6 +18,16 @@ typedef struct Fly {
     FlightSession *session;
     Pipeline *pipeline;
 } Fly;
+
+// Pictures that repeat must not depend on how long the one before took.
+static Result check_target(const Options *options) {
+    if (!options_is_set(options, OPTION_TARGET_MS) || !options_flag(options, OPTION_LOCKSTEP))
+        return RESULT_OK;
+    log_error(
+        "--target-ms and --lockstep: expected one of them: a tolerance that follows the frame time would make the "
+        "pictures depend on the clock; take --tau or --max-triangles with --lockstep");
+    return RESULT_USAGE;
+}
 
 static Result check_outputs(const Options *options) {
     const char *screenshot = options_text(options, OPTION_SCREENSHOT),
@@ -59,20 +69,6 @@ static Result start_session(Fly *fly) {
     return session_create(&fly->world, fly->options, fly->session);
 }
 
-static Result start_pipeline(Fly *fly) {
-    PipelineOptions pipeline = {.threaded = !options_flag(fly->options, OPTION_LOCKSTEP),
-                                .lod = scene_lod_options(fly->options),
-                                .compare = fly->session->settings.compare,
-                                .right = fly->session->settings.right,
-                                .bound_brute = true,
-                                .render = picture_render_options(fly->options, &fly->world),
-                                .terrain = fly->world.terrain,
-                                .jobs = fly->world.jobs,
-                                .context = fly->context};
-    Result result = compute_choose(fly->options, fly->context, pipeline.terrain, &pipeline.lod.resident);
-    return result == RESULT_OK ? pipeline_create(&pipeline, &fly->pipeline) : result;
-}
-
 static Result fly_loop(Fly *fly) {
     const Options *options = fly->options;
     const double *size = options_numbers(options, OPTION_SIZE);
@@ -106,7 +102,9 @@ static Result report(const Fly *fly) {
 }
 
 static Result prepare(Fly *fly) {
-    Result result = check_outputs(fly->options);
+    Result result = check_target(fly->options);
+    if (result == RESULT_OK)
+        result = check_outputs(fly->options);
     if (result == RESULT_OK)
         result = world_check_inputs(fly->options);
     if (result == RESULT_OK)
@@ -115,7 +113,9 @@ static Result prepare(Fly *fly) {
         result = world_load(fly->options, &fly->world);
     if (result == RESULT_OK)
         result = start_session(fly);
-    return result == RESULT_OK ? start_pipeline(fly) : result;
+    return result == RESULT_OK
+               ? flight_pipeline_create(fly->options, &fly->world, fly->session, fly->context, &fly->pipeline)
+               : result;
 }
 
 Result cmd_fly(const Options *options) {

@@ -76,6 +76,7 @@ static void name_picture(FlightLoop *loop, int64_t index, FrameOrder *order) {
 static void make_order(FlightLoop *loop, int64_t index, FrameOrder *order) {
     PipelineStats stats = pipeline_stats(loop->pipeline);
     session_hear_changes(loop->session, &stats.changes, stats.cut.method);
+    session_govern(loop->session, &stats);
     session_order(loop->session, loop->width, loop->height, stats.frame_ms, stats.frame_p99_ms, order);
     if (index >= 0)
         name_picture(loop, index, order);

@@ -46,6 +46,19 @@ static void add_settings(Json *json, const FlightSettings *settings) {
     json_add_bool(json, "paused", settings->clock.paused);
 }
 
+static void add_governor(Json *json, const FlightSession *session) {
+    if (!(session->settings.target_ms > 0.0))
+        return;
+    const Governor *governor = &session->governor;
+    json_add_number(json, "target_ms", session->settings.target_ms);
+    Json *object = json_add_object(json, "governed");
+    json_add_bool(object, "settled", governor->settled);
+    json_add_bool(object, "reachable", governor->reach == GOVERNOR_IN_REACH);
+    json_add_text(object, "reach", governor_reach_name(governor->reach));
+    json_add_integer(object, "changes", governor->changes);
+    json_add_integer(object, "changes_settled", governor->changes_settled);
+}
+
 static void add_times(Json *json, const char *name, FrameTimesSummary times) {
     Json *object = json_add_object(json, name);
     json_add_number(object, "mean", times.mean);
@@ -120,9 +133,22 @@ Result flight_report_json(const FlightReport *report) {
     add_right(json, &report->stats, &report->times);
     add_aircraft(json, report->session);
     add_settings(json, &report->session->settings);
+    add_governor(json, report->session);
     Result result = json_print(json);
     json_destroy(&json);
     return result;
+}
+
+static void log_governor(const FlightSession *session) {
+    const Governor *governor = &session->governor;
+    if (!(session->settings.target_ms > 0.0))
+        return;
+    if (governor->reach == GOVERNOR_IN_REACH)
+        log_info("target %.1f ms: affords %.2f px%s", session->settings.target_ms, governor->tau_px,
+                 governor->settled ? ", settled" : "");
+    else
+        log_info("target %.1f ms: out of reach, %s", session->settings.target_ms,
+                 governor->reach == GOVERNOR_TOO_SLOW ? "too slow at any tolerance" : "faster at any tolerance");
 }
 
 void flight_report_log(const FlightReport *report) {
@@ -130,6 +156,7 @@ void flight_report_log(const FlightReport *report) {
     FrameTimesSummary frame = report->times.frame;
     log_info("%lld frames; %.1f ms a frame (p99 %.1f, longest %.1f)", (long long)stats->frames, frame.mean, frame.p99,
              frame.max);
+    log_governor(report->session);
     pipeline_cut_log(stats->split ? "left" : "last cut", &stats->cut);
     if (stats->split)
         pipeline_cut_log("right", &stats->right);

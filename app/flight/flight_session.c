@@ -73,6 +73,7 @@ Result session_create(const World *world, const Options *options, FlightSession 
     if (result != RESULT_OK)
         return result;
     *out = (FlightSession){.world = world, .settings = flight_settings_create(options)};
+    out->governor = governor_create(out->settings.target_ms, out->settings.tau_px);
     out->sun_ecef = world_sun(world, options, &view);
     out->flight = start_flight(world, options, &view);
     out->keyboard = keyboard_create(out->flight.state.throttle);
@@ -95,6 +96,30 @@ void session_hear_changes(FlightSession *session, const MethodChanges *changes, 
              changes->why[0] ? changes->why : result_text(changes->refusal), lod_method_name(shown));
     session_say(session, message);
     session->refusals_said = changes->refusals;
+}
+
+static GovernorFrame judged_frame(const PipelineFrame *frame) {
+    return (GovernorFrame){.cost_ms = frame->cost_ms,
+                           .passed_s = frame->frame_ms * 1e-3,
+                           .tau_px = frame->tau_px,
+                           .reached_px = frame->reached_px,
+                           .moved = frame->moved,
+                           .disturbed = frame->disturbed};
+}
+
+void session_govern(FlightSession *session, const PipelineStats *stats) {
+    FlightSettings *settings = &session->settings;
+    if (!(settings->target_ms > 0.0))
+        return;
+    if (session->governor.target_ms != settings->target_ms)
+        governor_set_target(&session->governor, settings->target_ms);
+    if (session->frames_judged < stats->frames - PIPELINE_FRAMES_KEPT)
+        session->frames_judged = stats->frames - PIPELINE_FRAMES_KEPT;
+    for (; session->frames_judged < stats->frames; session->frames_judged++) {
+        GovernorFrame frame = judged_frame(&stats->latest[session->frames_judged % PIPELINE_FRAMES_KEPT]);
+        (void)governor_hear(&session->governor, &frame);
+    }
+    settings->tau_px = session->governor.tau_px;
 }
 
 static void take_over(FlightSession *session, const char *why) {
@@ -183,6 +208,8 @@ static RenderHud make_hud(const FlightSession *session, double frame_ms, double 
                        .paused = settings->clock.paused,
                        .datum = "EGM96",
                        .show_names = settings->show_flight && !settings->show_numbers,
+                       .target_ms = settings->target_ms,
+                       .target_out_of_reach = session->governor.reach != GOVERNOR_IN_REACH,
                        .frame_ms = frame_ms,
                        .frame_p99_ms = frame_p99_ms};
 }

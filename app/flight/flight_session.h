@@ -5,6 +5,7 @@
 #include "app/flight/demo.h"
 #include "app/flight/flight_model.h"
 #include "app/flight/flight_settings.h"
+#include "app/flight/governor.h"
 #include "app/pipeline/pipeline.h"
 #include "app/scene_load.h"
 #include "input/keyboard.h"
@@ -14,6 +15,8 @@
 typedef struct FlightSession {
     const World *world;
     FlightSettings settings;
+    Governor governor;     // where settings.target_ms is above 0
+    int64_t frames_judged; // that the governor was told of
     Flight flight;
     Keyboard keyboard;
     Demo demo;
@@ -36,6 +39,9 @@ void session_advance(FlightSession *session, double passed_s);
 void session_say(FlightSession *session, const char *message);
 // Says when a method could not come, and which one is shown instead; and when the GPU could not work for it.
 void session_hear_changes(FlightSession *session, const MethodChanges *changes, LodMethod shown);
+
+// Tells the governor, if there is one, what the frames cost that were drawn since, and sets the tolerance.
+void session_govern(FlightSession *session, const PipelineStats *stats);
 
 // What to draw now, in a framebuffer of that size. `frame_ms` and `frame_p99_ms` are for the HUD.
 void session_order(const FlightSession *session, int width, int height, double frame_ms, double frame_p99_ms,

@@ -9,6 +9,8 @@
 #define TAU_STEP 1.2599210498948732 // three presses halve or double
 #define TAU_MIN 0.1
 #define TAU_MAX 64.0
+#define TARGET_MIN_MS 1.0
+#define TARGET_MAX_MS 1000.0
 #define FOV_STEP 1.15
 #define FOV_MIN 2.0 // degrees
 #define FOV_MAX 150.0
@@ -16,18 +18,20 @@
 FlightSettings flight_settings_create(const Options *options) {
     bool hud = options_flag(options, OPTION_HUD);
     bool compare = options_is_set(options, OPTION_COMPARE);
-    return (FlightSettings){.method = (LodMethod)options_choice(options, OPTION_METHOD),
-                            .compare = compare,
-                            .right = compare ? (LodMethod)options_choice(options, OPTION_COMPARE) : LOD_HYBRID,
-                            .bound_corner = scene_bound_corner(options),
-                            .tau_px = options_number(options, OPTION_TAU),
-                            .fov_rad = options_number(options, OPTION_FOV) * GEODESY_RAD_PER_DEG,
-                            .colouring = (RenderColouring)options_choice(options, OPTION_COLOUR),
-                            .wireframe = options_flag(options, OPTION_WIREFRAME),
-                            .magenta = options_flag(options, OPTION_MAGENTA),
-                            .show_flight = hud,
-                            .show_numbers = hud,
-                            .clock = flight_clock_create(options_choice(options, OPTION_TIME_RATE))};
+    return (FlightSettings){
+        .method = (LodMethod)options_choice(options, OPTION_METHOD),
+        .compare = compare,
+        .right = compare ? (LodMethod)options_choice(options, OPTION_COMPARE) : LOD_HYBRID,
+        .bound_corner = scene_bound_corner(options),
+        .tau_px = options_number(options, OPTION_TAU),
+        .target_ms = options_is_set(options, OPTION_TARGET_MS) ? options_number(options, OPTION_TARGET_MS) : 0.0,
+        .fov_rad = options_number(options, OPTION_FOV) * GEODESY_RAD_PER_DEG,
+        .colouring = (RenderColouring)options_choice(options, OPTION_COLOUR),
+        .wireframe = options_flag(options, OPTION_WIREFRAME),
+        .magenta = options_flag(options, OPTION_MAGENTA),
+        .show_flight = hud,
+        .show_numbers = hud,
+        .clock = flight_clock_create(options_choice(options, OPTION_TIME_RATE))};
 }
 
 const char *flight_colouring_name(RenderColouring colouring) {
@@ -127,13 +131,23 @@ static bool apply_method(FlightSettings *settings, Action action, char *message,
     return true;
 }
 
+// Finer costs more: a governed flight gets more time for it.
+static void change_detail(FlightSettings *settings, bool finer, char *message, size_t size) {
+    if (settings->target_ms > 0.0) {
+        settings->target_ms =
+            scaled(settings->target_ms, finer ? TAU_STEP : 1.0 / TAU_STEP, TARGET_MIN_MS, TARGET_MAX_MS);
+        snprintf(message, size, "target %.1f ms a frame", settings->target_ms);
+    } else {
+        settings->tau_px = scaled(settings->tau_px, finer ? 1.0 / TAU_STEP : TAU_STEP, TAU_MIN, TAU_MAX);
+        snprintf(message, size, "tolerated error %.2f px", settings->tau_px);
+    }
+}
+
 static bool apply_detail(FlightSettings *settings, Action action, char *message, size_t size) {
     switch (action) {
     case ACTION_FINER:
     case ACTION_COARSER:
-        settings->tau_px =
-            scaled(settings->tau_px, action == ACTION_FINER ? 1.0 / TAU_STEP : TAU_STEP, TAU_MIN, TAU_MAX);
-        snprintf(message, size, "tolerated error %.2f px", settings->tau_px);
+        change_detail(settings, action == ACTION_FINER, message, size);
         return true;
     case ACTION_WIREFRAME:
         settings->wireframe = !settings->wireframe;

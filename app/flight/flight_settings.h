@@ -15,6 +15,7 @@ typedef struct FlightSettings {
     LodMethod right;
     bool bound_corner; // the tolerance holds at the picture's corners
     double tau_px, fov_rad;
+    double target_ms; // that a frame may take: tau_px is the governor's; 0: tau_px is the person's
     CameraView view;
     RenderColouring colouring;
     bool wireframe, magenta;

@@ -32,6 +32,7 @@ struct Pipeline {
     uint64_t submitted; // number of the last order
     Result failure;
     PipelineCounts counts;
+    int64_t waited_ns; // for an order or the screen, since the last frame was drawn
 };
 
 static Result begin_methods(Pipeline *p) {
@@ -58,25 +59,45 @@ static void resize(Pipeline *p, const FrameOrder *order) {
     render_resize(p->renderer, order->width, order->height);
 }
 
+// What became of a packet.
+typedef struct Drawn {
+    RenderStats stats;
+    bool refused;
+    Result picture_failure;
+    int64_t draw_ns, swap_ns; // a screen may let the swap wait
+} Drawn;
+
 // A frame that is refused is not shown.
-static Result draw(Pipeline *p, Packet *packet, RenderStats *stats, bool *refused, Result *picture_failure) {
+static Result draw(Pipeline *p, Packet *packet, Drawn *drawn) {
     const FrameOrder *order = &packet->order;
+    int64_t begin_ns = clock_now_ns();
     resize(p, order);
-    Result result = render_frame(p->renderer, &packet->render, stats);
-    *refused = result == RESULT_OK && packet_is_refused(packet, stats);
-    if (*refused)
+    Result result = render_frame(p->renderer, &packet->render, &drawn->stats);
+    drawn->draw_ns = clock_now_ns() - begin_ns;
+    drawn->refused = result == RESULT_OK && packet_is_refused(packet, &drawn->stats);
+    if (drawn->refused)
         return RESULT_OK;
     if (result == RESULT_OK && order->picture[0])
-        *picture_failure = picture_write(p->renderer, order->width, order->height, order->picture);
+        drawn->picture_failure = picture_write(p->renderer, order->width, order->height, order->picture);
+    begin_ns = clock_now_ns();
     context_swap(p->options.context);
+    drawn->swap_ns = clock_now_ns() - begin_ns;
     return result;
 }
 
 // Under the lock.
-static void count_frame(Pipeline *p, Packet *packet, const RenderStats *render) {
+static void count_frame(Pipeline *p, Packet *packet, const Drawn *drawn) {
     LodMethod methods[METHODS_HALVES];
+    const FrameOrder *order = &packet->order;
+    const PipelineWork work = {.refine_ns = packet->refine_ns,
+                               .draw_ns = drawn->draw_ns,
+                               .waited_ns = p->waited_ns + drawn->swap_ns,
+                               .width = order->width,
+                               .height = order->height,
+                               .wrote = order->picture[0] != '\0'};
     packet_mark_drawn(packet, methods);
-    pipeline_counts_add(&p->counts, &packet->render, methods, render, clock_now_ns());
+    pipeline_counts_add(&p->counts, &packet->render, methods, &drawn->stats, &work, clock_now_ns());
+    p->waited_ns = 0;
 }
 
 static Packet *find_packet(Pipeline *p, PacketState state) {
@@ -141,10 +162,12 @@ static Result refine_next(Pipeline *p) {
     Packet *packet = take_to_refine(p);
     set_state(p, packet, PACKET_REFINING);
     pthread_mutex_unlock(&p->lock);
+    int64_t begin_ns = clock_now_ns();
     Result result = methods_settle(p->methods);
     methods_sweep(p->methods);
     if (result == RESULT_OK)
         result = packet_refine(packet, p->methods, p->options.jobs);
+    packet->refine_ns = clock_now_ns() - begin_ns;
     pthread_mutex_lock(&p->lock);
     p->counts.stats.changes = methods_changes(p->methods);
     set_state(p, packet, result == RESULT_OK ? PACKET_READY : PACKET_FREE);
@@ -155,18 +178,25 @@ static Result refine_next(Pipeline *p) {
 static Result draw_next(Pipeline *p, Packet *packet) {
     set_state(p, packet, PACKET_DRAWING);
     pthread_mutex_unlock(&p->lock);
-    RenderStats stats = {0};
-    bool refused = false;
-    Result picture_failure = RESULT_OK;
-    Result result = draw(p, packet, &stats, &refused, &picture_failure);
+    Drawn drawn = {.picture_failure = RESULT_OK};
+    Result result = draw(p, packet, &drawn);
     pthread_mutex_lock(&p->lock);
     if (p->counts.stats.picture_failure == RESULT_OK)
-        p->counts.stats.picture_failure = picture_failure;
-    if (result == RESULT_OK && !refused)
-        count_frame(p, packet, &stats);
+        p->counts.stats.picture_failure = drawn.picture_failure;
+    if (result == RESULT_OK && !drawn.refused)
+        count_frame(p, packet, &drawn);
     packet_leave(packet);
-    set_state(p, packet, refused ? PACKET_REFUSED : PACKET_FREE);
+    set_state(p, packet, drawn.refused ? PACKET_REFUSED : PACKET_FREE);
     return result;
+}
+
+// Under the lock.
+static void wait_to_refine(Pipeline *p) {
+    bool no_order = !p->has_waiting;
+    int64_t begin_ns = clock_now_ns();
+    pthread_cond_wait(&p->changed, &p->lock);
+    if (no_order)
+        p->waited_ns += clock_now_ns() - begin_ns;
 }
 
 static void *run_refiner(void *user) {
@@ -177,7 +207,7 @@ static void *run_refiner(void *user) {
         if (result != RESULT_OK)
             fail(p, result);
         else if (!p->leaving && !can_refine(p))
-            pthread_cond_wait(&p->changed, &p->lock);
+            wait_to_refine(p);
     }
     pthread_mutex_unlock(&p->lock);
     return NULL;

@@ -2,6 +2,8 @@
 
 #include "base/log.h"
 
+#include <math.h>
+
 #define RECENT_FRAMES 240 // for the percentile on the screen
 #define RECENT_EVERY 16
 #define MS_PER_NS 1e-6
@@ -48,9 +50,67 @@ static void add_right(PipelineCounts *counts, const LodCut *right, LodMethod met
     frame_times_add(&counts->right_draw, render->draw_ms);
 }
 
+static bool has_moved(const PipelineCounts *counts, const RenderPacket *packet) {
+    const RenderCamera *a = &counts->camera, *b = &packet->camera;
+    bool same = counts->px_per_rad == packet->cut.view.px_per_rad && a->fov_y_rad == b->fov_y_rad &&
+                vec3d_length(vec3d_sub(a->eye_ecef, b->eye_ecef)) == 0.0;
+    for (int row = 0; row < 3; row++)
+        for (int column = 0; column < 3; column++)
+            same = same && a->camera_from_ecef.m[row][column] == b->camera_from_ecef.m[row][column];
+    return !same;
+}
+
+static bool is_another(const PipelineCounts *counts, const RenderPacket *packet,
+                       const LodMethod methods[METHODS_HALVES], const PipelineWork *work) {
+    return counts->last_end_ns == 0 || counts->stats.split != packet->split || counts->width != work->width ||
+           counts->height != work->height || counts->methods[0] != methods[0] || counts->methods[1] != methods[1];
+}
+
+static bool is_creation(const PipelineCounts *counts, const RenderStats *render) {
+    return render->resident.create_ms != counts->stats.render.resident.create_ms ||
+           render->right.resident.create_ms != counts->stats.render.right.resident.create_ms;
+}
+
+// On a GPU the drawing thread has only given its orders when its stage ends: the timer knows how long they take.
+static double longest_stage_ms(const RenderStats *render, const PipelineWork *work) {
+    double drawn_ms = render->upload_ms + render->draw_ms + render->right.upload_ms + render->right.draw_ms;
+    return fmax((double)work->refine_ns * MS_PER_NS, fmax((double)work->draw_ns * MS_PER_NS, drawn_ms));
+}
+
+// Before the counts are those of this frame.
+static PipelineFrame frame_of(const PipelineCounts *counts, const RenderPacket *packet,
+                              const LodMethod methods[METHODS_HALVES], const RenderStats *render,
+                              const PipelineWork *work, int64_t now_ns) {
+    double frame_ms = counts->last_end_ns ? (double)(now_ns - counts->last_end_ns) * MS_PER_NS : 0.0;
+    const LodCut cut = told_cut(&packet->cut, &render->resident, render->partial);
+    const LodCut right = told_cut(&packet->right, &render->right.resident, render->right.partial);
+    bool another = is_another(counts, packet, methods, work);
+    return (PipelineFrame){.frame_ms = frame_ms,
+                           .cost_ms =
+                               fmax(frame_ms - (double)work->waited_ns * MS_PER_NS, longest_stage_ms(render, work)),
+                           .tau_px = cut.view.tau_px,
+                           .reached_px = cut.reached_px,
+                           .triangles = cut.stats.triangles + (packet->split ? right.stats.triangles : 0),
+                           .moved = another || has_moved(counts, packet),
+                           .disturbed = another || work->wrote || is_creation(counts, render)};
+}
+
+static void keep_frame(PipelineCounts *counts, const RenderPacket *packet, const LodMethod methods[METHODS_HALVES],
+                       const RenderStats *render, const PipelineWork *work, int64_t now_ns) {
+    PipelineFrame *frame = &counts->stats.latest[counts->stats.frames % PIPELINE_FRAMES_KEPT];
+    *frame = frame_of(counts, packet, methods, render, work, now_ns);
+    counts->camera = packet->camera;
+    counts->px_per_rad = packet->cut.view.px_per_rad;
+    counts->width = work->width;
+    counts->height = work->height;
+    for (int half = 0; half < METHODS_HALVES; half++)
+        counts->methods[half] = methods[half];
+}
+
 void pipeline_counts_add(PipelineCounts *counts, const RenderPacket *packet, const LodMethod methods[METHODS_HALVES],
-                         const RenderStats *render, int64_t now_ns) {
+                         const RenderStats *render, const PipelineWork *work, int64_t now_ns) {
     PipelineStats *stats = &counts->stats;
+    keep_frame(counts, packet, methods, render, work, now_ns);
     const LodCut cut = told_cut(&packet->cut, &render->resident, render->partial);
     stats->frames++;
     add_frame_time(counts, now_ns);

@@ -15,6 +15,20 @@ typedef struct PipelineCut {
     bool promises; // reached_px, at every sample
 } PipelineCut;
 
+// One drawn frame, for who sets its tolerance by what it cost.
+typedef struct PipelineFrame {
+    double frame_ms; // from the end of the frame before to its end; 0: there was none
+    double cost_ms;  // that, but for what passed while no order was there or the screen let it wait: its longest stage
+                     // at least, which is what a frame takes where stages overlap
+    double tau_px, reached_px; // asked for and kept, of a split picture on the left
+    int64_t triangles;         // of both halves
+    bool moved;                // another view, lens, size or method than that of the one before, or the first
+    bool disturbed; // nothing is to be learned from its time: the first, the first of a size or method, or something
+                    // was made or written meanwhile
+} PipelineFrame;
+
+#define PIPELINE_FRAMES_KEPT 16
+
 typedef struct PipelineStats {
     int64_t frames;  // drawn
     PipelineCut cut; // of the last frame drawn, as all below
@@ -29,6 +43,7 @@ typedef struct PipelineStats {
     MethodChanges changes;
     double longest_gpu_create_ms; // the renderer's share of a resident method's creation, in the drawing thread
     Result picture_failure;       // of the first picture that could not be written; the flight goes on
+    PipelineFrame latest[PIPELINE_FRAMES_KEPT]; // frame i, from 0, is at i % PIPELINE_FRAMES_KEPT
 } PipelineStats;
 
 typedef struct PipelineTimes {
@@ -36,15 +51,27 @@ typedef struct PipelineTimes {
     FrameTimesSummary right_refine, right_upload, right_draw; // of the split ones
 } PipelineTimes;
 
+// What the stages did since the frame before was over, told by the pipeline.
+typedef struct PipelineWork {
+    int64_t refine_ns, draw_ns; // of this frame: the whole stages, without waiting for one another
+    int64_t waited_ns;          // for an order, or for the screen
+    int width, height;          // of the picture
+    bool wrote;                 // a picture, to a file
+} PipelineWork;
+
 typedef struct PipelineCounts {
     PipelineStats stats;
     int64_t last_end_ns;
+    RenderCamera camera; // of the last frame, as what follows
+    double px_per_rad;
+    int width, height;
+    LodMethod methods[METHODS_HALVES];
     FrameTimes frame, refine, upload, draw, right_refine, right_upload, right_draw;
 } PipelineCounts;
 
 // A frame that is drawn, made by these methods.
 void pipeline_counts_add(PipelineCounts *counts, const RenderPacket *packet, const LodMethod methods[METHODS_HALVES],
-                         const RenderStats *render, int64_t now_ns);
+                         const RenderStats *render, const PipelineWork *work, int64_t now_ns);
 // One line in the log, which begins with `where`.
 void pipeline_cut_log(const char *where, const PipelineCut *cut);
 PipelineTimes pipeline_counts_times(const PipelineCounts *counts);

@@ -15,6 +15,7 @@ typedef struct Packet {
     FrameOrder order;
     RenderPacket render;
     MethodRun *runs[METHODS_HALVES]; // whose cuts it holds; NULL: none
+    int64_t refine_ns;               // that the whole of the refining stage took
 } Packet;
 
 // The packet's order refined: its cuts, and all of `render`. Refining thread. On failure it holds nothing.

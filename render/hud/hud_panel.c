@@ -51,14 +51,16 @@ typedef struct Side {
     const LodCut *cut;
     const char *method;
     double upload_ms, draw_ms;
+    bool governed; // the tolerance is what a frame time affords
 } Side;
 
 static Side left_side(const RenderPacket *packet, const RenderStats *drawn) {
-    return (Side){&packet->cut, packet->hud.method, drawn->upload_ms, drawn->draw_ms};
+    return (Side){&packet->cut, packet->hud.method, drawn->upload_ms, drawn->draw_ms, packet->hud.target_ms > 0.0};
 }
 
 static Side right_side(const RenderPacket *packet, const RenderStats *drawn) {
-    return (Side){&packet->right, packet->hud.right_method, drawn->right.upload_ms, drawn->right.draw_ms};
+    return (Side){&packet->right, packet->hud.right_method, drawn->right.upload_ms, drawn->right.draw_ms,
+                  packet->hud.target_ms > 0.0};
 }
 
 static void add_promise(Rows *rows, const LodCut *cut) {
@@ -73,7 +75,7 @@ static void add_promise(Rows *rows, const LodCut *cut) {
 
 static void add_tolerance(Rows *rows, const Side *side) {
     add_row(rows, "method", side->method ? side->method : "---", "", HUD_ACCENT);
-    add_number(rows, "tolerance \xCF\x84", side->cut->view.tau_px, 2, "px");
+    add_number(rows, side->governed ? "affords \xCF\x84" : "tolerance \xCF\x84", side->cut->view.tau_px, 2, "px");
     add_promise(rows, side->cut);
 }
 
@@ -101,9 +103,23 @@ static void add_times(Rows *rows, const Side *side, bool software) {
     add_number(rows, software ? "draw (software)" : "draw", side->draw_ms, 2, "ms");
 }
 
+// Beside what the tolerance affords: what for. Takes the place of the slowest frames, so that no panel grows.
+static void add_target(Rows *rows, const RenderHud *hud) {
+    char name[64];
+    if (!hud->target_out_of_reach) {
+        add_number(rows, "target", hud->target_ms, 1, "ms");
+        return;
+    }
+    snprintf(name, sizeof name, "target %.1f ms", hud->target_ms);
+    add_row(rows, name, "out of reach", "", HUD_WARN);
+}
+
 static void add_frame(Rows *rows, const RenderHud *hud) {
     add_number(rows, "frame", hud->frame_ms, 1, "ms");
-    add_number(rows, "frame p99", hud->frame_p99_ms, 1, "ms");
+    if (hud->target_ms > 0.0)
+        add_target(rows, hud);
+    else
+        add_number(rows, "frame p99", hud->frame_p99_ms, 1, "ms");
 }
 
 static void add_memory(Rows *rows, const RenderStats *drawn) {
