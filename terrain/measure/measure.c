@@ -188,26 +188,42 @@ static void find_worst(const MeasureRun *run, Measure *out) {
     out->worst_row = (int)(worst / run->dem->width);
 }
 
-static Result join(const MeasureRun *run, Measure *out) {
+static Result find_percentiles(MeasureRun *run, Measure *out) {
+    if (!out->samples)
+        return RESULT_OK;
+    Result result = percentile(run, out->samples, 0.999, &out->p999_px);
+    if (result == RESULT_OK && measure_goes_on(run))
+        result = percentile(run, out->samples, 0.99, &out->p99_px);
+    return result;
+}
+
+static Result join(MeasureRun *run, Measure *out) {
+    void (*const passes[])(const MeasureRun *, Measure *) = {count_vertices, count_cells, sum_samples, check_area,
+                                                             find_worst};
     for (int i = 0; i < run->worker_count; i++)
         if (run->workers[i].out_of_memory)
             return RESULT_MEMORY;
     Result result = measure_join_edges(run, out);
     if (result != RESULT_OK)
         return result;
-    count_vertices(run, out);
-    count_cells(run, out);
-    sum_samples(run, out);
-    check_area(run, out);
-    find_worst(run, out);
-    if (!out->samples)
-        return RESULT_OK;
-    result = percentile(run, out->samples, 0.999, &out->p999_px);
-    return result == RESULT_OK ? percentile(run, out->samples, 0.99, &out->p99_px) : result;
+    for (size_t i = 0; i < COUNT_OF(passes) && measure_goes_on(run); i++)
+        passes[i](run, out);
+    if (measure_goes_on(run))
+        result = find_percentiles(run, out);
+    return result == RESULT_OK && atomic_load(&run->ended) ? RESULT_BUDGET : result;
 }
 
-Result measure_cut_of(const Dem *dem, const Grid *grid, const LodCut *cut, Jobs *jobs, Measure *out) {
-    MeasureRun run = {.dem = dem, .grid = grid, .cut = cut};
+bool measure_goes_on(MeasureRun *run) {
+    if (!run->pace || atomic_load_explicit(&run->ended, memory_order_relaxed))
+        return !run->pace;
+    if (!run->pace->go_on(run->pace->user))
+        atomic_store(&run->ended, true);
+    return !atomic_load_explicit(&run->ended, memory_order_relaxed);
+}
+
+static Result measure(const Dem *dem, const Grid *grid, const LodCut *cut, Jobs *jobs, const MeasurePace *pace,
+                      Measure *out) {
+    MeasureRun run = {.dem = dem, .grid = grid, .cut = cut, .pace = pace};
     Measure measure = {0};
     Result result = run_begin(&run, jobs_worker_count(jobs));
     if (result == RESULT_OK) {
@@ -223,6 +239,14 @@ Result measure_cut_of(const Dem *dem, const Grid *grid, const LodCut *cut, Jobs 
     return result;
 }
 
+Result measure_cut_of(const Dem *dem, const Grid *grid, const LodCut *cut, Jobs *jobs, Measure *out) {
+    return measure(dem, grid, cut, jobs, NULL, out);
+}
+
 Result measure_cut(const Terrain *terrain, const LodCut *cut, Jobs *jobs, Measure *out) {
-    return measure_cut_of(terrain_dem(terrain), terrain_grid(terrain), cut, jobs, out);
+    return measure(terrain_dem(terrain), terrain_grid(terrain), cut, jobs, NULL, out);
+}
+
+Result measure_cut_paced(const Terrain *terrain, const LodCut *cut, Jobs *jobs, const MeasurePace *pace, Measure *out) {
+    return measure(terrain_dem(terrain), terrain_grid(terrain), cut, jobs, pace, out);
 }

@@ -28,3 +28,13 @@ typedef struct Measure {
 MUST_USE Result measure_cut(const Terrain *terrain, const LodCut *cut, Jobs *jobs, Measure *out);
 // The same with heights above the ellipsoid in `dem`, without a Terrain.
 MUST_USE Result measure_cut_of(const Dem *dem, const Grid *grid, const LodCut *cut, Jobs *jobs, Measure *out);
+
+// For who measures beside other work: `go_on` is asked before each item of the cut and each pass over the samples, by
+// all workers. It may wait; false ends the measuring.
+typedef struct MeasurePace {
+    bool (*go_on)(void *user);
+    void *user;
+} MeasurePace;
+// As measure_cut. BUDGET: `go_on` ended it, and nothing is measured.
+MUST_USE Result measure_cut_paced(const Terrain *terrain, const LodCut *cut, Jobs *jobs, const MeasurePace *pace,
+                                  Measure *out);
