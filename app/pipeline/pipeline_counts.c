@@ -48,6 +48,32 @@ static void add_right(PipelineCounts *counts, const LodCut *right, LodMethod met
     frame_times_add(&counts->right_draw, render->draw_ms);
 }
 
+static void keep_frame(PipelineCounts *counts, const LodCut *cut, const RenderStats *render, int64_t now_ns) {
+    const PipelineStats *stats = &counts->stats;
+    counts->frames[stats->frames % PIPELINE_FRAMES_KEPT] =
+        (PipelineFrame){.number = stats->frames,
+                        .end_ns = now_ns,
+                        .method = stats->cut.method,
+                        .tau_px = cut->view.tau_px,
+                        .px_per_rad = cut->view.px_per_rad,
+                        .split = stats->split,
+                        .select_ms = (float)((double)cut->stats.select_ns * MS_PER_NS),
+                        .refine_ms = (float)((double)cut->stats.refine_ns * MS_PER_NS),
+                        .upload_ms = (float)render->upload_ms,
+                        .draw_ms = (float)render->draw_ms,
+                        .frame_ms = stats->frames > 1 ? (float)stats->frame_ms : 0.0f,
+                        .triangles_drawn = render->triangles_drawn};
+}
+
+int pipeline_counts_frames(const PipelineCounts *counts, int64_t after, PipelineFrame *out, int max) {
+    int64_t last = counts->stats.frames, count = last - after;
+    int64_t most = max < PIPELINE_FRAMES_KEPT ? max : PIPELINE_FRAMES_KEPT;
+    count = count > most ? most : count;
+    for (int64_t i = 0; i < count; i++)
+        out[i] = counts->frames[(last - count + 1 + i) % PIPELINE_FRAMES_KEPT];
+    return count > 0 ? (int)count : 0;
+}
+
 void pipeline_counts_add(PipelineCounts *counts, const RenderPacket *packet, const LodMethod methods[METHODS_HALVES],
                          const RenderStats *render, int64_t now_ns) {
     PipelineStats *stats = &counts->stats;
@@ -62,6 +88,7 @@ void pipeline_counts_add(PipelineCounts *counts, const RenderPacket *packet, con
     frame_times_add(&counts->refine, refine_ms(&cut));
     frame_times_add(&counts->upload, render->upload_ms);
     frame_times_add(&counts->draw, render->draw_ms);
+    keep_frame(counts, &cut, render, now_ns);
     if (packet->split)
         add_right(counts, &packet->right, methods[1], &render->right);
     if (!packet->split || methods[0] != methods[1])

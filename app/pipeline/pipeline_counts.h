@@ -31,6 +31,19 @@ typedef struct PipelineStats {
     Result picture_failure;       // of the first picture that could not be written; the flight goes on
 } PipelineStats;
 
+// One frame, of a split picture its left half. Times of the stages; frame_ms as above.
+typedef struct PipelineFrame {
+    int64_t number; // counts up from 1
+    int64_t end_ns; // as base/clock.h counts
+    LodMethod method;
+    double tau_px, px_per_rad;
+    bool split;
+    float select_ms, refine_ms, upload_ms, draw_ms;
+    float frame_ms;          // 0: of the first
+    int64_t triangles_drawn; // after view culling
+} PipelineFrame;
+#define PIPELINE_FRAMES_KEPT 64
+
 typedef struct PipelineTimes {
     FrameTimesSummary frame, refine, upload, draw;            // of all frames
     FrameTimesSummary right_refine, right_upload, right_draw; // of the split ones
@@ -40,11 +53,14 @@ typedef struct PipelineCounts {
     PipelineStats stats;
     int64_t last_end_ns;
     FrameTimes frame, refine, upload, draw, right_refine, right_upload, right_draw;
+    PipelineFrame frames[PIPELINE_FRAMES_KEPT]; // a ring by number
 } PipelineCounts;
 
 // A frame that is drawn, made by these methods.
 void pipeline_counts_add(PipelineCounts *counts, const RenderPacket *packet, const LodMethod methods[METHODS_HALVES],
                          const RenderStats *render, int64_t now_ns);
+// As pipeline_frames.
+int pipeline_counts_frames(const PipelineCounts *counts, int64_t after, PipelineFrame *out, int max);
 // One line in the log, which begins with `where`.
 void pipeline_cut_log(const char *where, const PipelineCut *cut);
 PipelineTimes pipeline_counts_times(const PipelineCounts *counts);
