@@ -17,6 +17,7 @@ typedef struct Fly {
     World world;
     FlightSession *session;
     Pipeline *pipeline;
+    Monitor *monitor;
 } Fly;
 
 static Result check_outputs(const Options *options) {
@@ -70,7 +71,10 @@ static Result start_pipeline(Fly *fly) {
                                 .jobs = fly->world.jobs,
                                 .context = fly->context};
     Result result = compute_choose(fly->options, fly->context, pipeline.terrain, &pipeline.lod.resident);
-    return result == RESULT_OK ? pipeline_create(&pipeline, &fly->pipeline) : result;
+    if (result == RESULT_OK)
+        result = pipeline_create(&pipeline, &fly->pipeline);
+    const MonitorOptions monitor = {pipeline.lod, pipeline.terrain, fly->pipeline};
+    return result == RESULT_OK ? monitor_create(&monitor, &fly->monitor) : result;
 }
 
 static Result fly_loop(Fly *fly) {
@@ -78,6 +82,7 @@ static Result fly_loop(Fly *fly) {
     const double *size = options_numbers(options, OPTION_SIZE);
     FlightLoop loop = {.session = fly->session,
                        .pipeline = fly->pipeline,
+                       .monitor = fly->monitor,
                        .context = fly->context,
                        .window = fly->window,
                        .lockstep = options_flag(options, OPTION_LOCKSTEP),
@@ -95,6 +100,7 @@ static Result report(const Fly *fly) {
     FlightReport report = {.session = fly->session,
                            .stats = pipeline_stats(fly->pipeline),
                            .times = pipeline_times(fly->pipeline),
+                           .accuracy = monitor_shown(fly->monitor),
                            .context = fly->context,
                            .window = fly->window};
     Result result = RESULT_OK;
@@ -125,6 +131,7 @@ Result cmd_fly(const Options *options) {
         result = fly_loop(&fly);
     if (result == RESULT_OK)
         result = report(&fly);
+    monitor_destroy(&fly.monitor);
     pipeline_destroy(&fly.pipeline);
     free(fly.session);
     world_unload(&fly.world);

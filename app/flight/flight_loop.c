@@ -77,6 +77,7 @@ static void make_order(FlightLoop *loop, int64_t index, FrameOrder *order) {
     PipelineStats stats = pipeline_stats(loop->pipeline);
     session_hear_changes(loop->session, &stats.changes, stats.cut.method);
     session_order(loop->session, loop->width, loop->height, stats.frame_ms, stats.frame_p99_ms, order);
+    monitor_follow(loop->monitor, loop->session->settings.show_accuracy, order);
     if (index >= 0)
         name_picture(loop, index, order);
 }

@@ -18,6 +18,15 @@ void hud_text(const HudPainter *painter, CanvasPoint baseline, float size_px, Ca
     canvas_text(painter->canvas, &font, baseline, utf8);
 }
 
+void hud_paint_row(const HudPainter *painter, CanvasRect box, float top, const HudRow *row) {
+    const HudLayout *layout = &painter->layout;
+    float size = layout->small_px, y = hud_baseline(painter, top + layout->row_px * 0.5f, size);
+    float inset = 10.0f * layout->unit, unit_x = box.x1 - inset - size * 1.9f;
+    hud_text(painter, (CanvasPoint){box.x0 + inset, y}, size, CANVAS_LEFT, HUD_DIM, row->name);
+    hud_text(painter, (CanvasPoint){unit_x - size * 0.3f, y}, size, CANVAS_RIGHT, row->colour, row->value);
+    hud_text(painter, (CanvasPoint){unit_x, y}, size, CANVAS_LEFT, HUD_DIM, row->unit);
+}
+
 float hud_fitting_size(const HudPainter *painter, const char *utf8, float size_px, float width_px) {
     float width = text_width_px(painter->text, utf8, size_px);
     return width > width_px ? size_px * width_px / width : size_px;
@@ -60,7 +69,7 @@ static bool wants_names(const RenderPacket *packet) {
 }
 
 static bool wants_panels(const RenderPacket *packet) {
-    return packet->hud.show_numbers || wants_names(packet) || hud_wants_legend(packet);
+    return packet->hud.show_numbers || wants_names(packet) || hud_wants_legend(packet) || packet->hud.accuracy.show;
 }
 
 static void paint_panels(const HudPainter *painter, const RenderPacket *packet, const RenderStats *previous) {
@@ -72,6 +81,8 @@ static void paint_panels(const HudPainter *painter, const RenderPacket *packet, 
         hud_paint_names(painter, packet);
     if (hud_wants_legend(packet))
         hud_paint_legend(painter, packet);
+    if (packet->hud.accuracy.show)
+        hud_paint_accuracy(painter, packet);
 }
 
 void hud_paint(Canvas *canvas, Text *text, const RenderPacket *packet, const RenderStats *previous, int width,
@@ -90,6 +101,8 @@ void hud_paint(Canvas *canvas, Text *text, const RenderPacket *packet, const Ren
         hud_layout_split(&painter.layout);
         hud_paint_divider(&painter, packet);
     }
+    if (hud->accuracy.show)
+        hud_layout_add_accuracy(&painter.layout, packet->split);
     if (hud->show_flight)
         hud_paint_flight(&painter, packet);
     paint_panels(&painter, packet, previous);
