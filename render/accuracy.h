@@ -40,6 +40,7 @@ typedef struct RenderAccuracyError {
 
 typedef struct RenderAccuracy {
     bool show;
+    uint64_t revision; // the same: nothing below has changed; 0: it may have
     RenderAccuracyError error;
     int point_count;
     RenderAccuracyPoint points[RENDER_ACCURACY_POINTS]; // ascending by tau_px

@@ -6,10 +6,11 @@
 #include "base/base.h"
 #include "config/options.h"
 
-// `overfly bench preprocess`, `overfly bench refine`, `overfly bench partitions`.
+// `overfly bench preprocess`, `overfly bench refine`, `overfly bench partitions`, `overfly bench panel`.
 MUST_USE Result bench_preprocess(const Options *options);
 MUST_USE Result bench_refine(const Options *options);
 MUST_USE Result bench_partitions(const Options *options);
+MUST_USE Result bench_panel(const Options *options);
 
 // The machine this runs on.
 typedef struct BenchMachine {

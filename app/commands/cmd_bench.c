@@ -12,7 +12,10 @@ Result cmd_bench(const Options *options) {
         return bench_refine(options);
     if (strcmp(kind, "partitions") == 0)
         return bench_partitions(options);
-    log_error("bench: expected 'preprocess', 'refine' or 'partitions', found '%s'; for example: overfly bench refine "
+    if (strcmp(kind, "panel") == 0)
+        return bench_panel(options);
+    log_error("bench: expected 'preprocess', 'refine', 'partitions' or 'panel', found '%s'; for example: overfly bench "
+              "refine "
               "--tau 1 --json",
               kind);
     return RESULT_USAGE;

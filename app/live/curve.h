@@ -25,7 +25,7 @@ typedef struct CurveBin {
 typedef struct CurveSample {
     double tau_px;    // 0: none
     double triangles; // in view
-    double refine_ms;
+    double refine_ms; // of one processor's time
     int64_t made_ns;
 } CurveSample;
 

@@ -4,8 +4,8 @@
 
 #include <math.h>
 
-#define PRESENT_FRAMES 30
-#define PRESENT_S 0.5
+#define PRESENT_FRAMES 120
+#define PRESENT_S 1.0
 #define PRESENT_FRAMES_LEAST 5 // of slow ones
 
 void history_add(History *history, const PipelineFrame *frame) {

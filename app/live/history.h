@@ -16,7 +16,7 @@ typedef struct History {
 void history_add(History *history, const PipelineFrame *frame);
 // The stages of a frame, one after another.
 double history_work_ms(const PipelineFrame *frame);
-// The median work of the latest frames with the tolerance of the last one, half a second of them at most. NaN: none.
+// The median work of the latest frames with the tolerance of the last one, a second of them at most. NaN: none.
 double history_present_ms(const History *history);
 // Percentiles and means of the last seconds.
 void history_summarise(const History *history, int64_t now_ns, RenderAccuracy *out);

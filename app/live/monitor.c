@@ -13,7 +13,8 @@
 #include <string.h>
 #include <time.h>
 
-#define REFRESH_NS 250000000 // of numbers that are read, not watched
+#define REFRESH_NS 250000000 // of what is read and not watched: painting it is dear
+#define REFRESH_FRAMES 6     // of slow ones, for the same reason
 #define AXIS_ROOM 1.12       // above the highest point
 #define AXIS_EMPTY 0.4       // of the axis in use, below which it shrinks
 #define AXIS_FAR 4.0         // times the present: samples beyond do not stretch the axis
@@ -27,8 +28,9 @@ struct Monitor {
     Curve curve;
     History history;
     RenderAccuracy shown;
-    int64_t heard, refreshed_ns; // the last frame; the last refreshing
-    double refreshed_tau;
+    int64_t heard; // the last frame
+    int64_t refreshed_ns, refreshed_frame;
+    LodMethod refreshed_method;
     bool was_open;
 };
 
@@ -168,36 +170,42 @@ static double axis_of(const RenderAccuracy *shown) {
     return most > shown->axis_ms || most < AXIS_EMPTY * shown->axis_ms ? round_up(most) : shown->axis_ms;
 }
 
-static void fill(Monitor *monitor, const WatchFindings *findings, int64_t now_ns) {
+static void refresh(Monitor *monitor, const WatchFindings *findings, int64_t now_ns) {
     RenderAccuracy *shown = &monitor->shown;
     Curve *curve = &monitor->curve;
     take_samples(curve, findings);
-    shown->point_count = curve_points(curve, now_ns, shown->points);
-    history_fill_frames(&monitor->history, shown);
-    bool moved = curve->last.tau_px != monitor->refreshed_tau;
-    if (!shown->show || moved || now_ns - monitor->refreshed_ns >= REFRESH_NS) {
-        shown->error = error_now(findings, curve->last.method, now_ns);
-        shown->frame_ms = history_present_ms(&monitor->history);
-        history_summarise(&monitor->history, now_ns, shown);
-        monitor->refreshed_ns = now_ns;
-        monitor->refreshed_tau = curve->last.tau_px;
-    }
     shown->show = true;
+    shown->revision++;
+    shown->error = error_now(findings, curve->last.method, now_ns);
+    shown->point_count = curve_points(curve, now_ns, shown->points);
     shown->tau_px = curve->last.tau_px;
+    shown->frame_ms = history_present_ms(&monitor->history);
+    history_summarise(&monitor->history, now_ns, shown);
+    history_fill_frames(&monitor->history, shown);
     shown->axis_ms = axis_of(shown);
+    monitor->refreshed_ns = now_ns;
+    monitor->refreshed_frame = monitor->heard;
+}
+
+// At once where the pilot has changed something.
+static bool is_stale(const Monitor *monitor, int64_t now_ns) {
+    const PipelineFrame *last = &monitor->curve.last;
+    return !monitor->was_open || last->tau_px != monitor->shown.tau_px || last->method != monitor->refreshed_method ||
+           (now_ns - monitor->refreshed_ns >= REFRESH_NS &&
+            monitor->heard - monitor->refreshed_frame >= REFRESH_FRAMES);
 }
 
 void monitor_follow(Monitor *monitor, bool open, FrameOrder *order) {
     int64_t now_ns = clock_now_ns();
     hear_frames(monitor);
     WatchFindings findings = exchange(monitor, open, order);
-    if (open && !monitor->was_open)
-        monitor->shown.show = false; // all is read anew
-    monitor->was_open = open;
-    if (open) {
-        fill(monitor, &findings, now_ns);
-        order->look.hud.accuracy = monitor->shown;
+    if (open && is_stale(monitor, now_ns)) {
+        refresh(monitor, &findings, now_ns);
+        monitor->refreshed_method = monitor->curve.last.method;
     }
+    monitor->was_open = open;
+    if (open)
+        order->look.hud.accuracy = monitor->shown;
 }
 
 const RenderAccuracy *monitor_shown(const Monitor *monitor) {

@@ -10,7 +10,7 @@
 #include <time.h>
 
 #define PIECE_NS 1000000       // of work between two rests
-#define HOLD_WAIT_NS 50000000  // for a frame, before looking whether the panel was closed
+#define HOLD_WAIT_NS 200000000 // for a frame, before looking whether the panel was closed
 #define TURN_REST_NS 100000000 // at least, between two turns
 #define SAMPLE_MS_MOST 25.0    // finer tolerances than one that takes longer are not sampled
 
@@ -146,14 +146,14 @@ static bool sample_next(Watch *watch) {
 
 // ---- the thread ----
 
-// As much for the samples as for the error, and one sample at least.
+// A quarter as long for the samples as for the error, and one sample at least.
 static void take_turn(Watch *watch) {
     int64_t begin_ns = pace_thread_ns();
     measure_drawn(watch);
     int64_t measured_ns = pace_thread_ns();
     if (!rest_for(watch, TURN_REST_NS) || !rest(watch))
         return;
-    while (sample_next(watch) && pace_thread_ns() - measured_ns < measured_ns - begin_ns) {
+    while (sample_next(watch) && 4 * (pace_thread_ns() - measured_ns) < measured_ns - begin_ns) {
     }
 }
 

@@ -1,5 +1,6 @@
 #include "app/live/sampler.h"
 
+#include "app/live/pace.h"
 #include "base/arena.h"
 #include "base/clock.h"
 #include "base/log.h"
@@ -77,11 +78,13 @@ Result sampler_take(Sampler *sampler, const SamplerView *view, double tau_px, Jo
     LodCut cut;
     lod_view.tau_px = tau_px;
     arena_reset(sampler->arena);
+    int64_t begin_ns = pace_thread_ns(); // others have the processor in between
     Result result = lod_update(sampler->lod, &lod_view, jobs, sampler->arena, &cut);
+    double refine_ms = (double)(pace_thread_ns() - begin_ns) * MS_PER_NS;
     if (result == RESULT_OK)
         *out = (CurveSample){.tau_px = tau_px,
                              .triangles = triangles_in_view(&cut, view),
-                             .refine_ms = (double)(cut.stats.select_ns + cut.stats.refine_ns) * MS_PER_NS,
+                             .refine_ms = refine_ms,
                              .made_ns = clock_now_ns()};
     if (result == RESULT_OK || result == RESULT_BUDGET)
         lod_release(sampler->lod, cut.frame);

@@ -19,5 +19,5 @@ MUST_USE Result sampler_create(const LodOptions *lod, LodMethod method, const Te
 void sampler_destroy(Sampler **sampler);
 LodMethod sampler_method(const Sampler *sampler);
 // Refines the view from scratch with another tolerance and counts the triangles that are in view. BUDGET: it has more
-// triangles than a sample may; there is no sample.
+// triangles than a sample may; there is no sample. `jobs` of one worker: times are of the calling thread.
 MUST_USE Result sampler_take(Sampler *sampler, const SamplerView *view, double tau_px, Jobs *jobs, CurveSample *out);

@@ -81,30 +81,60 @@ static void paint_panels(const HudPainter *painter, const RenderPacket *packet, 
         hud_paint_names(painter, packet);
     if (hud_wants_legend(packet))
         hud_paint_legend(painter, packet);
-    if (packet->hud.accuracy.show)
-        hud_paint_accuracy(painter, packet);
 }
 
-void hud_paint(Canvas *canvas, Text *text, const RenderPacket *packet, const RenderStats *previous, int width,
-               int height) {
-    const RenderHud *hud = &packet->hud;
+static bool shows_accuracy(const RenderPacket *packet) {
+    return packet->hud.accuracy.show && !packet->hud.show_help;
+}
+
+static HudPainter painter_of(Canvas *canvas, Text *text, const RenderPacket *packet, int width, int height) {
     HudPainter painter = {.canvas = canvas,
                           .text = text,
                           .layout = hud_layout_make(width, height, wants_panels(packet)),
                           .view = hud_view_make(&packet->camera, width, height)};
-    canvas_begin(canvas, painter.layout.unit);
+    if (packet->split)
+        hud_layout_split(&painter.layout);
+    if (shows_accuracy(packet))
+        hud_layout_add_accuracy(&painter.layout, packet->split);
+    return painter;
+}
+
+static void paint_most(const HudPainter *painter, const RenderPacket *packet, const RenderStats *previous) {
+    const RenderHud *hud = &packet->hud;
     if (hud->show_help) {
-        hud_paint_help(&painter, hud);
+        hud_paint_help(painter, hud);
         return;
     }
-    if (packet->split) {
-        hud_layout_split(&painter.layout);
-        hud_paint_divider(&painter, packet);
-    }
-    if (hud->accuracy.show)
-        hud_layout_add_accuracy(&painter.layout, packet->split);
+    if (packet->split)
+        hud_paint_divider(painter, packet);
     if (hud->show_flight)
-        hud_paint_flight(&painter, packet);
-    paint_panels(&painter, packet, previous);
-    hud_paint_message(&painter, hud);
+        hud_paint_flight(painter, packet);
+    paint_panels(painter, packet, previous);
+    hud_paint_message(painter, hud);
+}
+
+void hud_paint_most(Canvas *canvas, Text *text, const RenderPacket *packet, const RenderStats *previous, int width,
+                    int height) {
+    HudPainter painter = painter_of(canvas, text, packet, width, height);
+    canvas_begin(canvas, painter.layout.unit);
+    paint_most(&painter, packet, previous);
+}
+
+void hud_paint_accuracy_alone(Canvas *canvas, Text *text, const RenderPacket *packet, int width, int height) {
+    HudPainter painter = painter_of(canvas, text, packet, width, height);
+    canvas_begin(canvas, painter.layout.unit);
+    hud_paint_accuracy(&painter, packet);
+}
+
+CanvasRect hud_accuracy_place(const RenderPacket *packet, int width, int height) {
+    return shows_accuracy(packet) ? painter_of(NULL, NULL, packet, width, height).layout.accuracy : (CanvasRect){0};
+}
+
+void hud_paint(Canvas *canvas, Text *text, const RenderPacket *packet, const RenderStats *previous, int width,
+               int height) {
+    HudPainter painter = painter_of(canvas, text, packet, width, height);
+    canvas_begin(canvas, painter.layout.unit);
+    paint_most(&painter, packet, previous);
+    if (shows_accuracy(packet))
+        hud_paint_accuracy(&painter, packet);
 }

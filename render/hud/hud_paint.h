@@ -16,6 +16,12 @@ typedef struct HudPainter {
 // All of it, as hud_draw does. `previous` may be NULL.
 void hud_paint(Canvas *canvas, Text *text, const RenderPacket *packet, const RenderStats *previous, int width,
                int height);
+// The same in two: all but the panel of accuracy against time, and that panel alone. `place`: where it lies; empty: it
+// is not shown.
+void hud_paint_most(Canvas *canvas, Text *text, const RenderPacket *packet, const RenderStats *previous, int width,
+                    int height);
+void hud_paint_accuracy_alone(Canvas *canvas, Text *text, const RenderPacket *packet, int width, int height);
+CanvasRect hud_accuracy_place(const RenderPacket *packet, int width, int height);
 
 // The parts.
 void hud_paint_flight(const HudPainter *painter, const RenderPacket *packet);   // with the following two
