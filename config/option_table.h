@@ -83,6 +83,8 @@
       "a pixel, against jagged edges; 0: 4, but 1 flying with a software renderer")                                    \
     X(VRAM, "vram", 0, BYTES, "BYTES", "256M", 1048576, 1e12, NULL, COMMANDS_PICTURE, "limit of the patch cache")      \
     X(HUD, "hud", 0, FLAG, NULL, "true", 0, 0, NULL, COMMAND_FLY, "draw the flight instruments and numbers")           \
+    X(ACCURACY, "accuracy", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY,                                           \
+      "begin with the panel of frame time against accuracy (F2)")                                                      \
     X(DEBUG_GL, "debug-gl", 0, FLAG, NULL, "false", 0, 0, NULL, COMMANDS_PICTURE, "log what the GL driver reports")    \
                                                                                                                        \
     X(WINDOW, "window", 0, FLAG, NULL, "true", 0, 0, NULL, COMMAND_FLY, "fly in a window; without: by EGL")            \

@@ -13,6 +13,7 @@
 #define KEY_PAGE_UP 266
 #define KEY_PAGE_DOWN 267
 #define KEY_F1 290
+#define KEY_F2 291
 #define KEY_F3 292
 #define KEY_PAD_0 320
 #define KEY_PAD_2 322
@@ -45,6 +46,7 @@
     X(TIME_FASTER, "a", "time runs faster")                                                                            \
     X(TIME_SLOWER, "A", "time runs slower")                                                                            \
     X(HUD, "h", "head-up display on and off")                                                                          \
+    X(ACCURACY, "F2", "what accuracy costs in time, on and off")                                                       \
     X(SCREENSHOT, "F3", "write a picture")                                                                             \
     X(FINER, "t", "smaller tolerated error")                                                                           \
     X(COARSER, "T", "larger tolerated error")                                                                          \

@@ -4,6 +4,7 @@
 #pragma once
 #include "base/base.h"
 #include "base/vec.h"
+#include "render/accuracy.h"
 #include "terrain/lod/lod.h"
 #include "terrain/terrain.h"
 
@@ -44,6 +45,7 @@ typedef struct RenderHud {
     const RenderHelpRow *help;     // the page of keys, help_count rows; static
     int help_count;
     const char *message; // one line for a few seconds, or NULL; lives as long as the packet
+    RenderAccuracy accuracy;
 } RenderHud;
 
 // Immutable once handed over. Cuts and what they point to live until lod_release of their frames. Cuts in one renderer

@@ -37,6 +37,7 @@ static const Variants VARIANTS[] = {
     {{"fullscreen.vert", "atmosphere_ground.frag"}, {NULL}, "GROUND_LIGHT_WIDTH=64 GROUND_LIGHT_HEIGHT=4"},
     {{"fullscreen.vert", "sky_view.frag"}, {NULL}, ""},
     {{"canvas.vert", "canvas.frag"}, {NULL}, ""},
+    {{"fullscreen.vert", "layer.frag"}, {NULL}, ""},
     {{"diamond_terrain.vert", "terrain.frag"}, {"HOLES", "DRAPE", "WATER", "SEA"}, ""},
     {{"diamond_terrain.vert", "diamond_level.geom", "terrain.frag"}, {"HOLES", "DRAPE", "SEA"}, ""},
     {{"diamond_terrain.vert", "wire.geom", "wire.frag"}, {NULL}, ""},

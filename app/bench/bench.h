@@ -9,11 +9,13 @@
 
 // `overfly bench [SCENE|DEM]...`: app/accuracy. RANGE: a promise was broken; the report says which.
 MUST_USE Result bench_accuracy(const Options *options);
-// `overfly bench preprocess`, `overfly bench refine`, `overfly bench partitions`, `overfly bench governor`.
+// `overfly bench preprocess`, `overfly bench refine`, `overfly bench partitions`, `overfly bench governor`,
+// `overfly bench panel`.
 MUST_USE Result bench_preprocess(const Options *options);
 MUST_USE Result bench_refine(const Options *options);
 MUST_USE Result bench_partitions(const Options *options);
 MUST_USE Result bench_governor(const Options *options);
+MUST_USE Result bench_panel(const Options *options);
 
 // The machine this runs on.
 typedef struct BenchMachine {

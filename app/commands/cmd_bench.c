@@ -8,10 +8,8 @@ static const struct {
     const char *word;
     Result (*run)(const Options *options);
 } PARTS[] = {
-    {"preprocess", bench_preprocess},
-    {"refine", bench_refine},
-    {"partitions", bench_partitions},
-    {"governor", bench_governor},
+    {"preprocess", bench_preprocess}, {"refine", bench_refine}, {"partitions", bench_partitions},
+    {"governor", bench_governor},     {"panel", bench_panel},
 };
 
 Result cmd_bench(const Options *options) {

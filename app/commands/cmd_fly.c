@@ -17,6 +17,7 @@ typedef struct Fly {
     World world;
     FlightSession *session;
     Pipeline *pipeline;
+    Monitor *monitor;
 } Fly;
 
 // Pictures that repeat must not depend on how long the one before took.
@@ -74,6 +75,7 @@ static Result fly_loop(Fly *fly) {
     const double *size = options_numbers(options, OPTION_SIZE);
     FlightLoop loop = {.session = fly->session,
                        .pipeline = fly->pipeline,
+                       .monitor = fly->monitor,
                        .context = fly->context,
                        .window = fly->window,
                        .lockstep = options_flag(options, OPTION_LOCKSTEP),
@@ -91,6 +93,7 @@ static Result report(const Fly *fly) {
     FlightReport report = {.session = fly->session,
                            .stats = pipeline_stats(fly->pipeline),
                            .times = pipeline_times(fly->pipeline),
+                           .accuracy = monitor_shown(fly->monitor),
                            .context = fly->context,
                            .window = fly->window};
     Result result = RESULT_OK;
@@ -113,9 +116,10 @@ static Result prepare(Fly *fly) {
         result = world_load(fly->options, &fly->world);
     if (result == RESULT_OK)
         result = start_session(fly);
-    return result == RESULT_OK
-               ? flight_pipeline_create(fly->options, &fly->world, fly->session, fly->context, &fly->pipeline)
-               : result;
+    if (result == RESULT_OK)
+        result = flight_pipeline_create(fly->options, &fly->world, fly->session, fly->context, &fly->pipeline);
+    const MonitorOptions monitor = {scene_lod_options(fly->options), fly->world.terrain, fly->pipeline};
+    return result == RESULT_OK ? monitor_create(&monitor, &fly->monitor) : result;
 }
 
 Result cmd_fly(const Options *options) {
@@ -125,6 +129,7 @@ Result cmd_fly(const Options *options) {
         result = fly_loop(&fly);
     if (result == RESULT_OK)
         result = report(&fly);
+    monitor_destroy(&fly.monitor);
     pipeline_destroy(&fly.pipeline);
     free(fly.session);
     world_unload(&fly.world);

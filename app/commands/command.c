@@ -8,7 +8,7 @@ const Command command_table[] = {
     {COMMAND_SNAPSHOT, "snapshot", "[SCENE|DEM]...", -1, "one picture, without a window", cmd_snapshot},
     {COMMAND_MESH, "mesh", "[SCENE|DEM]...", -1, "measure the triangles for one view, and write them to a file",
      cmd_mesh},
-    {COMMAND_BENCH, "bench", "[preprocess|refine|partitions|governor] [SCENE|DEM]...", -1,
+    {COMMAND_BENCH, "bench", "[preprocess|refine|partitions|governor|panel] [SCENE|DEM]...", -1,
      "show what accuracy costs in time; or time one part", cmd_bench},
     {COMMAND_REPRODUCE, "reproduce", "loeffler|biedermann|yalcin|ye [SCENE|DEM]...", -1,
      "run a paper's experiment, and show its figures beside ours", cmd_reproduce},

@@ -78,6 +78,7 @@ static void make_order(FlightLoop *loop, int64_t index, FrameOrder *order) {
     session_hear_changes(loop->session, &stats.changes, stats.cut.method);
     session_govern(loop->session, &stats);
     session_order(loop->session, loop->width, loop->height, stats.frame_ms, stats.frame_p99_ms, order);
+    monitor_follow(loop->monitor, loop->session->settings.show_accuracy, order);
     if (index >= 0)
         name_picture(loop, index, order);
 }

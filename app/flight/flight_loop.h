@@ -3,12 +3,14 @@
 // Borrows everything. Main thread.
 #pragma once
 #include "app/flight/flight_session.h"
+#include "app/live/monitor.h"
 #include "app/pipeline/pipeline.h"
 #include "render/context/context.h"
 
 typedef struct FlightLoop {
     FlightSession *session;
     Pipeline *pipeline;
+    Monitor *monitor;
     Context *context;
     bool window;            // else there are no events, and frames follow one another without waiting
     bool lockstep;          // stages one after another

@@ -2,6 +2,7 @@
 
 #include "app/compute.h"
 #include "app/json.h"
+#include "app/live/live_report.h"
 #include "base/log.h"
 #include "terrain/geodesy.h"
 
@@ -42,6 +43,7 @@ static void add_settings(Json *json, const FlightSettings *settings) {
     json_add_bool(json, "hud", settings->show_flight);
     json_add_bool(json, "numbers", settings->show_numbers);
     json_add_bool(json, "help", settings->show_help);
+    json_add_bool(json, "accuracy_panel", settings->show_accuracy);
     json_add_number(json, "time_rate", flight_clock_rate(&settings->clock));
     json_add_bool(json, "paused", settings->clock.paused);
 }
@@ -134,6 +136,7 @@ Result flight_report_json(const FlightReport *report) {
     add_aircraft(json, report->session);
     add_settings(json, &report->session->settings);
     add_governor(json, report->session);
+    live_report_add(json, report->accuracy);
     Result result = json_print(json);
     json_destroy(&json);
     return result;

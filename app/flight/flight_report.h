@@ -10,6 +10,7 @@ typedef struct FlightReport {
     const FlightSession *session;
     PipelineStats stats;
     PipelineTimes times;
+    const RenderAccuracy *accuracy; // as the panel told it last
     const Context *context;
     bool window;
 } FlightReport;

@@ -31,6 +31,7 @@ FlightSettings flight_settings_create(const Options *options) {
         .magenta = options_flag(options, OPTION_MAGENTA),
         .show_flight = hud,
         .show_numbers = hud,
+        .show_accuracy = options_flag(options, OPTION_ACCURACY),
         .clock = flight_clock_create(options_choice(options, OPTION_TIME_RATE))};
 }
 
@@ -73,6 +74,9 @@ static bool apply_view(FlightSettings *settings, Action action, char *message, s
         return true;
     case ACTION_HELP:
         settings->show_help = !settings->show_help;
+        return true;
+    case ACTION_ACCURACY:
+        settings->show_accuracy = !settings->show_accuracy;
         return true;
     default:
         return false;

@@ -20,6 +20,7 @@ typedef struct FlightSettings {
     RenderColouring colouring;
     bool wireframe, magenta;
     bool show_flight, show_numbers, show_help;
+    bool show_accuracy; // the panel of accuracy against time
     FlightClock clock;
 } FlightSettings;
 

@@ -11,8 +11,9 @@
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
-#define PACKETS 3
+#define PACKETS 4 // one of them for pipeline_hold
 #define ARENA_BLOCK ((size_t)1 << 20)
 
 struct Pipeline {
@@ -33,6 +34,12 @@ struct Pipeline {
     Result failure;
     PipelineCounts counts;
     int64_t waited_ns; // for an order or the screen, since the last frame was drawn
+
+    // Under the lock: a cut that somebody wants to hold, or holds.
+    bool hold_wanted;
+    Packet *held;
+    PipelineHeld held_cut;
+    pthread_cond_t hold_changed;
 };
 
 static Result begin_methods(Pipeline *p) {
@@ -85,8 +92,21 @@ static Result draw(Pipeline *p, Packet *packet, Drawn *drawn) {
     return result;
 }
 
-// Under the lock.
-static void count_frame(Pipeline *p, Packet *packet, const Drawn *drawn) {
+// Under the lock: whether the packet is held from now on.
+static bool hold(Pipeline *p, Packet *packet, const RenderStats *render, int64_t now_ns) {
+    if (!p->hold_wanted || !packet->runs[0])
+        return false;
+    packet_hold(packet);
+    p->held = packet;
+    p->held_cut = (PipelineHeld){packet->render.cut, packet->runs[0]->method, render->partial, now_ns};
+    render_tell_cut(&render->resident, render->partial, &p->held_cut.cut);
+    p->hold_wanted = false;
+    pthread_cond_broadcast(&p->hold_changed);
+    return true;
+}
+
+// Under the lock: a frame is drawn, and its packet held or not.
+static PacketState count_frame(Pipeline *p, Packet *packet, const Drawn *drawn) {
     LodMethod methods[METHODS_HALVES];
     const FrameOrder *order = &packet->order;
     const PipelineWork work = {.refine_ns = packet->refine_ns,
@@ -95,9 +115,12 @@ static void count_frame(Pipeline *p, Packet *packet, const Drawn *drawn) {
                                .width = order->width,
                                .height = order->height,
                                .wrote = order->picture[0] != '\0'};
+    int64_t now_ns = clock_now_ns();
+    PacketState state = hold(p, packet, &drawn->stats, now_ns) ? PACKET_HELD : PACKET_FREE;
     packet_mark_drawn(packet, methods);
-    pipeline_counts_add(&p->counts, &packet->render, methods, &drawn->stats, &work, clock_now_ns());
+    pipeline_counts_add(&p->counts, &packet->render, methods, &drawn->stats, &work, now_ns);
     p->waited_ns = 0;
+    return state;
 }
 
 static Packet *find_packet(Pipeline *p, PacketState state) {
@@ -122,7 +145,7 @@ static void fail(Pipeline *p, Result result) {
 // Under the lock: nothing refined awaits drawing.
 static bool is_idle(const Pipeline *p) {
     for (int i = 0; i < PACKETS; i++)
-        if (p->packets[i].state != PACKET_FREE)
+        if (p->packets[i].state != PACKET_FREE && p->packets[i].state != PACKET_HELD)
             return false;
     return true;
 }
@@ -183,10 +206,12 @@ static Result draw_next(Pipeline *p, Packet *packet) {
     pthread_mutex_lock(&p->lock);
     if (p->counts.stats.picture_failure == RESULT_OK)
         p->counts.stats.picture_failure = drawn.picture_failure;
+    PacketState state = drawn.refused ? PACKET_REFUSED : PACKET_FREE;
     if (result == RESULT_OK && !drawn.refused)
-        count_frame(p, packet, &drawn);
-    packet_leave(packet);
-    set_state(p, packet, drawn.refused ? PACKET_REFUSED : PACKET_FREE);
+        state = count_frame(p, packet, &drawn);
+    if (state != PACKET_HELD)
+        packet_leave(packet);
+    set_state(p, packet, state);
     return result;
 }
 
@@ -275,6 +300,16 @@ static Result create_packets(Pipeline *p) {
     return RESULT_OK;
 }
 
+static void begin_waiting(Pipeline *p) {
+    pthread_condattr_t monotonic;
+    pthread_condattr_init(&monotonic);
+    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
+    pthread_mutex_init(&p->lock, NULL);
+    pthread_cond_init(&p->changed, NULL);
+    pthread_cond_init(&p->hold_changed, &monotonic);
+    pthread_condattr_destroy(&monotonic);
+}
+
 Result pipeline_create(const PipelineOptions *options, Pipeline **out) {
     Pipeline *p = calloc(1, sizeof *p);
     if (!p) {
@@ -283,8 +318,7 @@ Result pipeline_create(const PipelineOptions *options, Pipeline **out) {
     }
     p->options = *options;
     p->options.render.lockstep = !options->threaded;
-    pthread_mutex_init(&p->lock, NULL);
-    pthread_cond_init(&p->changed, NULL);
+    begin_waiting(p);
     Result result = create_packets(p);
     if (result == RESULT_OK)
         result = begin_methods(p);
@@ -319,6 +353,7 @@ void pipeline_destroy(Pipeline **pipeline) {
     for (int i = 0; i < PACKETS; i++)
         if (p->packets[i].arena)
             arena_destroy(&p->packets[i].arena);
+    pthread_cond_destroy(&p->hold_changed);
     pthread_cond_destroy(&p->changed);
     pthread_mutex_destroy(&p->lock);
     free(p);
@@ -369,6 +404,36 @@ Result pipeline_drain(Pipeline *p) {
     Result result = p->failure;
     pthread_mutex_unlock(&p->lock);
     return result;
+}
+
+bool pipeline_hold(Pipeline *p, int64_t until_ns, PipelineHeld *out) {
+    const struct timespec until = {until_ns / 1000000000, until_ns % 1000000000};
+    pthread_mutex_lock(&p->lock);
+    p->hold_wanted = true;
+    while (!p->held && pthread_cond_timedwait(&p->hold_changed, &p->lock, &until) == 0) {
+    }
+    p->hold_wanted = false;
+    bool holds = p->held != NULL;
+    if (holds)
+        *out = p->held_cut;
+    pthread_mutex_unlock(&p->lock);
+    return holds;
+}
+
+void pipeline_let_go(Pipeline *p) {
+    pthread_mutex_lock(&p->lock);
+    Packet *packet = p->held;
+    p->held = NULL;
+    packet_let_go(packet);
+    set_state(p, packet, PACKET_FREE);
+    pthread_mutex_unlock(&p->lock);
+}
+
+int pipeline_frames(Pipeline *p, int64_t after, PipelineFrame *out, int max) {
+    pthread_mutex_lock(&p->lock);
+    int count = pipeline_counts_frames(&p->counts, after, out, max);
+    pthread_mutex_unlock(&p->lock);
+    return count;
 }
 
 PipelineStats pipeline_stats(Pipeline *p) {

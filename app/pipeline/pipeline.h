@@ -53,5 +53,21 @@ MUST_USE Result pipeline_submit(Pipeline *pipeline, const FrameOrder *order, boo
 // Waits until everything submitted is drawn; the error of any frame.
 MUST_USE Result pipeline_drain(Pipeline *pipeline);
 
+// The cut of a frame that was drawn, of the whole picture or its left half.
+typedef struct PipelineHeld {
+    LodCut cut; // as the renderer tells of it (render_tell_cut)
+    LodMethod method;
+    bool partial;     // it was not drawn whole
+    int64_t drawn_ns; // when its frame was finished, as base/clock.h counts
+} PipelineHeld;
+// Waits for the next frame that is drawn, until `until_ns` at most, and holds its cut: all that it points to stays as
+// it is until pipeline_let_go, which has to come before another hold and before pipeline_destroy. Meanwhile no memory
+// of cuts since is used again: let go soon. False: no frame came. One thread at a time, any but the one that submits.
+bool pipeline_hold(Pipeline *pipeline, int64_t until_ns, PipelineHeld *out);
+void pipeline_let_go(Pipeline *pipeline);
+
+// The frames drawn since number `after` (PipelineFrame.number; 0: from the first), oldest first; the latest `max` of
+// them, and no more than are kept. Returns how many.
+int pipeline_frames(Pipeline *pipeline, int64_t after, PipelineFrame *out, int max);
 PipelineStats pipeline_stats(Pipeline *pipeline);
 PipelineTimes pipeline_times(Pipeline *pipeline);

@@ -85,7 +85,17 @@ static PipelineFrame frame_of(const PipelineCounts *counts, const RenderPacket *
     const LodCut cut = told_cut(&packet->cut, &render->resident, render->partial);
     const LodCut right = told_cut(&packet->right, &render->right.resident, render->right.partial);
     bool another = is_another(counts, packet, methods, work);
-    return (PipelineFrame){.frame_ms = frame_ms,
+    return (PipelineFrame){.number = counts->stats.frames + 1,
+                           .end_ns = now_ns,
+                           .method = methods[0],
+                           .split = packet->split,
+                           .px_per_rad = cut.view.px_per_rad,
+                           .select_ms = (double)cut.stats.select_ns * MS_PER_NS,
+                           .refine_ms = (double)cut.stats.refine_ns * MS_PER_NS,
+                           .upload_ms = render->upload_ms,
+                           .draw_ms = render->draw_ms,
+                           .triangles_drawn = render->triangles_drawn,
+                           .frame_ms = frame_ms,
                            .cost_ms =
                                fmax(frame_ms - (double)work->waited_ns * MS_PER_NS, longest_stage_ms(render, work)),
                            .tau_px = cut.view.tau_px,
@@ -105,6 +115,15 @@ static void keep_frame(PipelineCounts *counts, const RenderPacket *packet, const
     counts->height = work->height;
     for (int half = 0; half < METHODS_HALVES; half++)
         counts->methods[half] = methods[half];
+}
+
+int pipeline_counts_frames(const PipelineCounts *counts, int64_t after, PipelineFrame *out, int max) {
+    int64_t last = counts->stats.frames, count = last - after;
+    int64_t most = max < PIPELINE_FRAMES_KEPT ? max : PIPELINE_FRAMES_KEPT;
+    count = count > most ? most : count;
+    for (int64_t i = 0; i < count; i++)
+        out[i] = counts->stats.latest[(last - count + i) % PIPELINE_FRAMES_KEPT];
+    return count > 0 ? (int)count : 0;
 }
 
 void pipeline_counts_add(PipelineCounts *counts, const RenderPacket *packet, const LodMethod methods[METHODS_HALVES],

@@ -15,19 +15,26 @@ typedef struct PipelineCut {
     bool promises; // reached_px, at every sample
 } PipelineCut;
 
-// One drawn frame, for who sets its tolerance by what it cost.
+// One drawn frame, of a split picture its left half, for who sets its tolerance by what it cost, or shows it.
 typedef struct PipelineFrame {
+    int64_t number; // counts up from 1
+    int64_t end_ns; // as base/clock.h counts
+    LodMethod method;
+    bool split;
     double frame_ms; // from the end of the frame before to its end; 0: there was none
     double cost_ms;  // that, but for what passed while no order was there or the screen let it wait: its longest stage
                      // at least, which is what a frame takes where stages overlap
-    double tau_px, reached_px; // asked for and kept, of a split picture on the left
-    int64_t triangles;         // of both halves
-    bool moved;                // another view, lens, size or method than that of the one before, or the first
+    double select_ms, refine_ms, upload_ms, draw_ms;
+    double tau_px, reached_px; // asked for and kept
+    double px_per_rad;
+    int64_t triangles;       // of both halves
+    int64_t triangles_drawn; // after view culling
+    bool moved;              // another view, lens, size or method than that of the one before, or the first
     bool disturbed; // nothing is to be learned from its time: the first, the first of a size or method, or something
                     // was made or written meanwhile
 } PipelineFrame;
 
-#define PIPELINE_FRAMES_KEPT 16
+#define PIPELINE_FRAMES_KEPT 64
 
 typedef struct PipelineStats {
     int64_t frames;  // drawn
@@ -72,6 +79,8 @@ typedef struct PipelineCounts {
 // A frame that is drawn, made by these methods.
 void pipeline_counts_add(PipelineCounts *counts, const RenderPacket *packet, const LodMethod methods[METHODS_HALVES],
                          const RenderStats *render, const PipelineWork *work, int64_t now_ns);
+// As pipeline_frames.
+int pipeline_counts_frames(const PipelineCounts *counts, int64_t after, PipelineFrame *out, int max);
 // One line in the log, which begins with `where`.
 void pipeline_cut_log(const char *where, const PipelineCut *cut);
 PipelineTimes pipeline_counts_times(const PipelineCounts *counts);

@@ -18,6 +18,7 @@ typedef struct MethodRun {
     double create_ms;
     atomic_int users;
     _Atomic uint64_t drawn; // LodCut.frame: up to it nothing is read any more
+    _Atomic uint64_t held;  // LodCut.frame that somebody still reads, before `drawn` says it is not read; 0: none
     atomic_bool undrawable; // the renderer has no room for what its cuts need: methods_settle
     struct MethodRun *next; // among those that retired
 } MethodRun;

@@ -12,9 +12,15 @@ static LodMethod wanted_of(const Packet *packet, int half) {
     return half == 0 ? packet->order.method : packet->order.right;
 }
 
+// Up to which frame nobody reads any more. `drawn` first: who holds a frame said so before it was drawn.
+static uint64_t unread_frame(MethodRun *run) {
+    uint64_t drawn = atomic_load(&run->drawn), held = atomic_load(&run->held);
+    return held > 0 && held <= drawn ? held - 1 : drawn;
+}
+
 // A reached budget is a valid cut, and the panel says so.
 static Result refine_with(Packet *packet, MethodRun *run, Jobs *jobs, LodCut *cut) {
-    lod_release(run->lod, atomic_load(&run->drawn));
+    lod_release(run->lod, unread_frame(run));
     Result result = lod_update(run->lod, &packet->order.view, jobs, packet->arena, cut);
     return result == RESULT_BUDGET ? RESULT_OK : result;
 }
@@ -47,6 +53,15 @@ void packet_leave(Packet *packet) {
         if (packet->runs[half])
             atomic_fetch_sub(&packet->runs[half]->users, 1);
     memset(packet->runs, 0, sizeof packet->runs);
+}
+
+void packet_hold(Packet *packet) {
+    atomic_store(&packet->runs[0]->held, packet->render.cut.frame);
+}
+
+void packet_let_go(Packet *packet) {
+    atomic_store(&packet->runs[0]->held, 0);
+    packet_leave(packet);
 }
 
 bool packet_is_refused(Packet *packet, const RenderStats *stats) {

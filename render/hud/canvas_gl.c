@@ -14,11 +14,14 @@ struct CanvasGl {
     GLuint program, vertex_array, shapes, atlas, sampler;
     uint64_t atlas_revision; // that was uploaded
     int capacity;            // shapes
+    GLuint kept_program, kept_framebuffer, kept_picture;
+    int kept_x, kept_y, kept_width, kept_height; // GL's pixels, from the lower left corner; no width: nothing is kept
 };
 
 // What canvas_gl_draw changes, as it was before.
 typedef struct SavedState {
-    GLint program, vertex_array, texture, sampler, viewport[4], polygon_mode[2], unpack_alignment, unpack_row_length;
+    GLint framebuffer, program, vertex_array, texture, sampler, viewport[4], polygon_mode[2], unpack_alignment,
+        unpack_row_length;
     GLint unpack_buffer, blend_source[2], blend_target[2], blend_equation[2];
     GLboolean blend, depth_test, stencil_test, cull, scissor, srgb, colour_mask[4];
 } SavedState;
@@ -60,6 +63,10 @@ Result canvas_gl_create(CanvasGl **out) {
     Result result = shader_create_program(&spec, &gl->program);
     if (result != RESULT_OK)
         goto fail;
+    const ShaderSpec kept = {.stages = {"fullscreen.vert", "layer.frag"}};
+    result = shader_create_program(&kept, &gl->kept_program);
+    if (result != RESULT_OK)
+        goto fail;
     create_vertex_array(gl);
     create_atlas(gl);
     *out = gl;
@@ -77,6 +84,9 @@ void canvas_gl_destroy(CanvasGl **gl) {
     glDeleteVertexArrays(1, &(*gl)->vertex_array);
     glDeleteBuffers(1, &(*gl)->shapes);
     glDeleteProgram((*gl)->program);
+    glDeleteProgram((*gl)->kept_program);
+    glDeleteFramebuffers(1, &(*gl)->kept_framebuffer);
+    glDeleteTextures(1, &(*gl)->kept_picture);
     free(*gl);
     *gl = NULL;
 }
@@ -93,6 +103,7 @@ static void save_switches(SavedState *saved) {
 
 static void save_state(SavedState *saved) {
     save_switches(saved);
+    glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &saved->framebuffer);
     glGetIntegerv(GL_CURRENT_PROGRAM, &saved->program);
     glGetIntegerv(GL_VERTEX_ARRAY_BINDING, &saved->vertex_array);
     glGetIntegeri_v(GL_TEXTURE_BINDING_2D, 0, &saved->texture);
@@ -133,11 +144,9 @@ static void restore_state(const SavedState *saved) {
     glUseProgram((GLuint)saved->program);
 }
 
-static void set_state(const CanvasGl *gl, int width, int height) {
+static void set_state(const CanvasGl *gl) {
     glEnable(GL_BLEND);
     glBlendEquation(GL_FUNC_ADD);
-    // The target's alpha stays as it is: a picture is opaque.
-    glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_STENCIL_TEST);
     glDisable(GL_CULL_FACE);
@@ -145,7 +154,6 @@ static void set_state(const CanvasGl *gl, int width, int height) {
     glDisable(GL_FRAMEBUFFER_SRGB);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
-    glViewport(0, 0, width, height);
     glUseProgram(gl->program);
     glBindVertexArray(gl->vertex_array);
     glBindTextureUnit(0, gl->atlas);
@@ -184,13 +192,72 @@ static int upload_shapes(CanvasGl *gl, const Canvas *canvas) {
     return count;
 }
 
+static void draw_shapes(int count, int width, int height) {
+    glUniform2f(0, (float)width, (float)height);
+    glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, count);
+}
+
 void canvas_gl_draw(CanvasGl *gl, const Canvas *canvas, const Text *text, int width, int height) {
     SavedState saved;
     upload_atlas(gl, text);
     int count = upload_shapes(gl, canvas);
     save_state(&saved);
-    set_state(gl, width, height);
-    glUniform2f(0, (float)width, (float)height);
-    glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, count);
+    set_state(gl);
+    // The target's alpha stays as it is: a picture is opaque.
+    glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
+    glViewport(0, 0, width, height);
+    draw_shapes(count, width, height);
+    restore_state(&saved);
+}
+
+// ---- a part that is kept ----
+
+static void fit_kept(CanvasGl *gl, int width, int height) {
+    if (width == gl->kept_width && height == gl->kept_height)
+        return;
+    glDeleteFramebuffers(1, &gl->kept_framebuffer);
+    glDeleteTextures(1, &gl->kept_picture);
+    glCreateTextures(GL_TEXTURE_2D, 1, &gl->kept_picture);
+    glTextureStorage2D(gl->kept_picture, 1, GL_RGBA8, width, height);
+    glTextureParameteri(gl->kept_picture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glCreateFramebuffers(1, &gl->kept_framebuffer);
+    glNamedFramebufferTexture(gl->kept_framebuffer, GL_COLOR_ATTACHMENT0, gl->kept_picture, 0);
+    gl->kept_width = width;
+    gl->kept_height = height;
+}
+
+void canvas_gl_keep(CanvasGl *gl, const Canvas *canvas, const Text *text, CanvasRect part, int width, int height) {
+    const float nothing[4] = {0.0f, 0.0f, 0.0f, 0.0f};
+    SavedState saved;
+    upload_atlas(gl, text);
+    int count = upload_shapes(gl, canvas);
+    fit_kept(gl, (int)(part.x1 - part.x0), (int)(part.y1 - part.y0));
+    gl->kept_x = (int)part.x0;
+    gl->kept_y = height - (int)part.y1;
+    save_state(&saved);
+    set_state(gl);
+    // The colours come out premultiplied, over nothing.
+    glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, gl->kept_framebuffer);
+    glClearBufferfv(GL_COLOR, 0, nothing);
+    glViewport(-gl->kept_x, -gl->kept_y, width, height);
+    draw_shapes(count, width, height);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, (GLuint)saved.framebuffer);
+    restore_state(&saved);
+}
+
+void canvas_gl_draw_kept(CanvasGl *gl) {
+    SavedState saved;
+    if (gl->kept_width == 0)
+        return;
+    save_state(&saved);
+    set_state(gl);
+    glBlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
+    glUseProgram(gl->kept_program);
+    glBindTextureUnit(0, gl->kept_picture);
+    glBindSampler(0, 0);
+    glUniform2i(0, gl->kept_x, gl->kept_y);
+    glViewport(gl->kept_x, gl->kept_y, gl->kept_width, gl->kept_height);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
     restore_state(&saved);
 }

@@ -12,3 +12,8 @@ void canvas_gl_destroy(CanvasGl **gl);
 
 // One draw call over the framebuffer bound for drawing. Changes no GL state beyond its own objects: see hud_draw.
 void canvas_gl_draw(CanvasGl *gl, const Canvas *canvas, const Text *text, int width, int height);
+
+// For what changes seldom and is much to draw: keeps a part (whole pixels, not empty) of a picture of that size as the
+// canvas has it, and draws it over the framebuffer bound for drawing, in later frames as well. State as above.
+void canvas_gl_keep(CanvasGl *gl, const Canvas *canvas, const Text *text, CanvasRect part, int width, int height);
+void canvas_gl_draw_kept(CanvasGl *gl);

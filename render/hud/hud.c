@@ -11,6 +11,11 @@ struct Hud {
     Text *text;
     Canvas *canvas;
     CanvasGl *gl;
+    // What the panel of accuracy that is kept as a picture was painted from.
+    uint64_t accuracy_revision;
+    const char *accuracy_method;
+    CanvasRect accuracy_place;
+    int accuracy_height; // of the window
 };
 
 HudOptions hud_default_options(void) {
@@ -57,9 +62,33 @@ void hud_destroy(Hud **hud) {
     *hud = NULL;
 }
 
+static bool same_place(CanvasRect a, CanvasRect b) {
+    return a.x0 == b.x0 && a.y0 == b.y0 && a.x1 == b.x1 && a.y1 == b.y1;
+}
+
+// Painted when it tells something new, some times a second; drawn in every frame.
+static void draw_accuracy(Hud *hud, const RenderPacket *packet, int width, int height) {
+    const CanvasRect place = hud_accuracy_place(packet, width, height);
+    uint64_t revision = packet->hud.accuracy.revision;
+    if (place.x1 <= place.x0)
+        return;
+    bool kept = revision != 0 && revision == hud->accuracy_revision && same_place(place, hud->accuracy_place) &&
+                height == hud->accuracy_height && packet->hud.method == hud->accuracy_method;
+    if (!kept) {
+        hud_paint_accuracy_alone(hud->canvas, hud->text, packet, width, height);
+        canvas_gl_keep(hud->gl, hud->canvas, hud->text, place, width, height);
+        hud->accuracy_revision = revision;
+        hud->accuracy_place = place;
+        hud->accuracy_height = height;
+        hud->accuracy_method = packet->hud.method;
+    }
+    canvas_gl_draw_kept(hud->gl);
+}
+
 void hud_draw(Hud *hud, const RenderPacket *packet, const RenderStats *previous, int width, int height) {
     if (width < 1 || height < 1)
         return;
-    hud_paint(hud->canvas, hud->text, packet, previous, width, height);
+    hud_paint_most(hud->canvas, hud->text, packet, previous, width, height);
     canvas_gl_draw(hud->gl, hud->canvas, hud->text, width, height);
+    draw_accuracy(hud, packet, width, height);
 }

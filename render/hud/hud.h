@@ -19,8 +19,8 @@ MUST_USE Result hud_create(const HudOptions *options, Hud **out);
 void hud_destroy(Hud **hud);
 
 // Draws what `packet->hud` asks for over the picture, into the framebuffer bound for drawing, whose size is
-// width x height pixels; one draw call. `previous` tells the numbers of the frame before; NULL before the first.
-// All state of GL that it changes is as before on return: program, vertex array, viewport, blending, depth and
-// stencil test, culling, scissor, polygon mode, colour and depth masks, sRGB writing, the array buffer binding, the
-// unpack alignment, and texture and sampler of unit 0. After warm-up it allocates nothing.
+// width x height pixels; one draw call, two with the panel of accuracy. `previous` tells the numbers of the frame
+// before; NULL before the first. All state of GL that it changes is as before on return: program, vertex array,
+// viewport, blending, depth and stencil test, culling, scissor, polygon mode, colour and depth masks, sRGB writing, the
+// array buffer binding, the unpack alignment, and texture and sampler of unit 0. After warm-up it allocates nothing.
 void hud_draw(Hud *hud, const RenderPacket *packet, const RenderStats *previous, int width, int height);

@@ -9,7 +9,10 @@
 #define PANEL_WIDTH_LEAST_PX 640 // of the window
 #define PANEL_HEIGHT_LEAST_PX 360
 #define LEGEND_ROWS_LEAST 4
-#define MARGIN 12.0f // units, as all sizes below
+#define ACCURACY_ROWS 26.5f
+#define ACCURACY_ROWS_LEAST 2.0f
+#define ACCURACY_WIDTH 1.35f // of the panel's, at most
+#define MARGIN 12.0f         // units, as all sizes below
 
 static CanvasRect rect_round(CanvasRect rect) {
     return (CanvasRect){roundf(rect.x0), roundf(rect.y0), roundf(rect.x1), roundf(rect.y1)};
@@ -74,10 +77,14 @@ static void place_altitude(HudLayout *layout) {
     layout->altitude_notes = mirrored(layout, layout->speed_notes);
 }
 
+static float least_legend(const HudLayout *layout) {
+    return layout->row_px * LEGEND_ROWS_LEAST + 16.0f * layout->unit;
+}
+
 // Of a split picture, whose panels take both upper corners: under the left one, and under the speed where the window is
 // too narrow for both side by side.
 static void place_legend_low(HudLayout *layout) {
-    float u = layout->unit, least = layout->row_px * LEGEND_ROWS_LEAST + 16.0f * u;
+    float u = layout->unit, least = least_legend(layout);
     CanvasRect room = {layout->panel.x0, layout->panel.y1 + 8.0f * u, layout->panel.x1, layout->note.y0 - 8.0f * u};
     if (room.x1 + 8.0f * u > layout->speed_title.x0)
         room.y0 = fmaxf(room.y0, layout->speed_notes.y1 + 8.0f * u);
@@ -108,6 +115,43 @@ void hud_layout_split(HudLayout *layout) {
     layout->radius = fmaxf(fminf(fminf(layout->radius, beside), above), 20.0f * u);
     if (layout->panel.x1 > layout->panel.x0)
         place_legend_low(layout);
+}
+
+// The whole height beside the altitude, or no more than the legend's place above it.
+static void place_accuracy(HudLayout *layout) {
+    float u = layout->unit, beside = layout->altitude_title.x1 + 8.0f * u;
+    CanvasRect room = layout->legend;
+    bool above = beside > room.x0;
+    if (!above) {
+        room.x0 = fmaxf(beside, room.x1 - ACCURACY_WIDTH * (room.x1 - room.x0));
+        room.y1 = fminf(room.y0 + ACCURACY_ROWS * layout->row_px + 16.0f * u, layout->note.y0 - 8.0f * u);
+    }
+    layout->accuracy = rect_round(room);
+    CanvasRect legend = {layout->legend.x0, room.y1 + 8.0f * u, room.x1, layout->note.y0 - 8.0f * u};
+    bool fits = !above && legend.y1 - legend.y0 >= least_legend(layout);
+    layout->legend = fits ? rect_round(legend) : (CanvasRect){0};
+}
+
+// As place_legend_low, with all the room there is.
+static void place_accuracy_low(HudLayout *layout) {
+    float u = layout->unit, middle = layout->width * 0.25f;
+    CanvasRect room = {layout->panel.x0, layout->panel.y1 + 8.0f * u, layout->panel.x1, layout->note.y0 - 8.0f * u};
+    if (room.x1 + 8.0f * u > layout->speed_title.x0)
+        room.y0 = fmaxf(room.y0, layout->speed_notes.y1 + 8.0f * u);
+    if (room.y1 - room.y0 < ACCURACY_ROWS_LEAST * layout->row_px + 16.0f * u)
+        return;
+    room.y0 = fmaxf(room.y0, room.y1 - ACCURACY_ROWS * layout->row_px - 16.0f * u);
+    layout->accuracy = rect_round(room);
+    layout->radius = fmaxf(fminf(layout->radius, middle - room.x1 - 12.0f * u), 20.0f * u);
+}
+
+void hud_layout_add_accuracy(HudLayout *layout, bool split) {
+    if (layout->panel.x1 <= layout->panel.x0)
+        return;
+    if (split)
+        place_accuracy_low(layout);
+    else
+        place_accuracy(layout);
 }
 
 static void place_help(HudLayout *layout) {

@@ -24,8 +24,9 @@ typedef struct HudLayout {
     CanvasRect panel;                       // room for HUD_PANEL_ROWS; empty when not asked for, or no room
     CanvasRect legend;                      // as large, in the other corner; of a split picture the right half's panel
     CanvasRect
-        legend_low;  // where the left legend of a split picture finds room, the right one mirrored; empty: nowhere
-    CanvasRect note; // "paused"
+        legend_low;      // where the left legend of a split picture finds room, the right one mirrored; empty: nowhere
+    CanvasRect accuracy; // of accuracy against time: hud_layout_add_accuracy; empty: not asked for, or no room
+    CanvasRect note;     // "paused"
     CanvasRect message;
     CanvasRect help; // the most that the page of keys may take
 } HudLayout;
@@ -36,6 +37,11 @@ HudLayout hud_layout_make(int width, int height, bool show_panels);
 // For two halves with a view each: the scales near the middle, the circle as it fits into a half, its centre the
 // caller's matter.
 void hud_layout_split(HudLayout *layout);
+
+// After hud_layout_split, where that is called: makes room for the panel of accuracy against time, in the place of the
+// legend, which moves below or loses its place; in a split picture under the panel of the left half, whose legend loses
+// its place. A circle beside it gets smaller.
+void hud_layout_add_accuracy(HudLayout *layout, bool split);
 
 // The camera as the display needs it.
 typedef struct HudView {

@@ -36,15 +36,21 @@ static CanvasColour cycle_colour(int n) {
     return swatch_of(albedo);
 }
 
-// The numbers that occur among a cut's patches.
-static Legend legend_of(const LodCut *cut, bool levels) {
-    Legend legend = {.title = levels ? "level in its tile" : "partition", .entry = levels ? "level" : "partition"};
-    bool occurs[NUMBERS] = {false};
+static void mark_numbers(const LodCut *cut, bool levels, bool occurs[NUMBERS]) {
     for (int32_t i = 0; i < cut->item_count; i++)
         occurs[(levels ? cut->items[i].level : cut->items[i].partition) % NUMBERS] = true;
     // Of resident cuts only the GPU knows which triangles there are.
     for (int n = 0; cut->resident && levels && n <= 2 * cut->resident->model->layout.level_count; n++)
         occurs[n] = true;
+}
+
+// The numbers that occur among a cut's patches, and another's if there is one.
+static Legend legend_of(const LodCut *cut, const LodCut *other, bool levels) {
+    Legend legend = {.title = levels ? "level in its tile" : "partition", .entry = levels ? "level" : "partition"};
+    bool occurs[NUMBERS] = {false};
+    mark_numbers(cut, levels, occurs);
+    if (other)
+        mark_numbers(other, levels, occurs);
     for (int n = 0; n < NUMBERS; n++)
         if (occurs[n])
             legend.numbers[legend.count++] = (uint8_t)n;
@@ -104,13 +110,21 @@ static void paint_numbered(const HudPainter *painter, const Plate *plate, const 
     }
 }
 
-static void paint_cut(const HudPainter *painter, const LodCut *cut, RenderColouring colouring, CanvasRect room,
-                      bool low) {
+// What is explained: one cut, or two together; in which colours and where.
+typedef struct Explained {
+    const LodCut *cut, *other; // `other` may be NULL
+    RenderColouring colouring;
+    CanvasRect room;
+    bool low;
+} Explained;
+
+static void paint_cut(const HudPainter *painter, const Explained *explained) {
+    RenderColouring colouring = explained->colouring;
     const HudLayout *layout = &painter->layout;
     bool states = colouring == RENDER_COLOUR_CACHE;
     Legend legend = states ? (Legend){.title = "patches in this frame", .count = 3}
-                           : legend_of(cut, colouring == RENDER_COLOUR_LEVEL);
-    Plate plate = plate_of(painter, room, low, legend.count);
+                           : legend_of(explained->cut, explained->other, colouring == RENDER_COLOUR_LEVEL);
+    Plate plate = plate_of(painter, explained->room, explained->low, legend.count);
     if (plate.rows < 0)
         return;
     // Before its entries, whose boxes lie on it.
@@ -127,10 +141,13 @@ static void paint_cut(const HudPainter *painter, const LodCut *cut, RenderColour
 void hud_paint_legend(const HudPainter *painter, const RenderPacket *packet) {
     const HudLayout *layout = &painter->layout;
     if (!packet->split) {
-        paint_cut(painter, &packet->cut, packet->colouring, layout->legend, false);
+        paint_cut(painter, &(Explained){&packet->cut, NULL, packet->colouring, layout->legend, false});
         return;
     }
     CanvasRect left = layout->legend_low, right = {layout->width - left.x1, left.y0, layout->width - left.x0, left.y1};
-    paint_cut(painter, &packet->cut, packet->colouring, left, true);
-    paint_cut(painter, &packet->right, packet->colouring, right, true);
+    // Where accuracy has the left one's place, the right one tells of both.
+    bool alone = layout->accuracy.x1 <= layout->accuracy.x0;
+    if (alone)
+        paint_cut(painter, &(Explained){&packet->cut, NULL, packet->colouring, left, true});
+    paint_cut(painter, &(Explained){&packet->right, alone ? NULL : &packet->cut, packet->colouring, right, true});
 }

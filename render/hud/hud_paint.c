@@ -18,6 +18,15 @@ void hud_text(const HudPainter *painter, CanvasPoint baseline, float size_px, Ca
     canvas_text(painter->canvas, &font, baseline, utf8);
 }
 
+void hud_paint_row(const HudPainter *painter, CanvasRect box, float top, const HudRow *row) {
+    const HudLayout *layout = &painter->layout;
+    float size = layout->small_px, y = hud_baseline(painter, top + layout->row_px * 0.5f, size);
+    float inset = 10.0f * layout->unit, unit_x = box.x1 - inset - size * 1.9f;
+    hud_text(painter, (CanvasPoint){box.x0 + inset, y}, size, CANVAS_LEFT, HUD_DIM, row->name);
+    hud_text(painter, (CanvasPoint){unit_x - size * 0.3f, y}, size, CANVAS_RIGHT, row->colour, row->value);
+    hud_text(painter, (CanvasPoint){unit_x, y}, size, CANVAS_LEFT, HUD_DIM, row->unit);
+}
+
 float hud_fitting_size(const HudPainter *painter, const char *utf8, float size_px, float width_px) {
     float width = text_width_px(painter->text, utf8, size_px);
     return width > width_px ? size_px * width_px / width : size_px;
@@ -60,7 +69,7 @@ static bool wants_names(const RenderPacket *packet) {
 }
 
 static bool wants_panels(const RenderPacket *packet) {
-    return packet->hud.show_numbers || wants_names(packet) || hud_wants_legend(packet);
+    return packet->hud.show_numbers || wants_names(packet) || hud_wants_legend(packet) || packet->hud.accuracy.show;
 }
 
 static void paint_panels(const HudPainter *painter, const RenderPacket *packet, const RenderStats *previous) {
@@ -74,24 +83,58 @@ static void paint_panels(const HudPainter *painter, const RenderPacket *packet, 
         hud_paint_legend(painter, packet);
 }
 
-void hud_paint(Canvas *canvas, Text *text, const RenderPacket *packet, const RenderStats *previous, int width,
-               int height) {
-    const RenderHud *hud = &packet->hud;
+static bool shows_accuracy(const RenderPacket *packet) {
+    return packet->hud.accuracy.show && !packet->hud.show_help;
+}
+
+static HudPainter painter_of(Canvas *canvas, Text *text, const RenderPacket *packet, int width, int height) {
     HudPainter painter = {.canvas = canvas,
                           .text = text,
                           .layout = hud_layout_make(width, height, wants_panels(packet)),
                           .view = hud_view_make(&packet->camera, width, height)};
-    canvas_begin(canvas, painter.layout.unit);
+    if (packet->split)
+        hud_layout_split(&painter.layout);
+    if (shows_accuracy(packet))
+        hud_layout_add_accuracy(&painter.layout, packet->split);
+    return painter;
+}
+
+static void paint_most(const HudPainter *painter, const RenderPacket *packet, const RenderStats *previous) {
+    const RenderHud *hud = &packet->hud;
     if (hud->show_help) {
-        hud_paint_help(&painter, hud);
+        hud_paint_help(painter, hud);
         return;
     }
-    if (packet->split) {
-        hud_layout_split(&painter.layout);
-        hud_paint_divider(&painter, packet);
-    }
+    if (packet->split)
+        hud_paint_divider(painter, packet);
     if (hud->show_flight)
-        hud_paint_flight(&painter, packet);
-    paint_panels(&painter, packet, previous);
-    hud_paint_message(&painter, hud);
+        hud_paint_flight(painter, packet);
+    paint_panels(painter, packet, previous);
+    hud_paint_message(painter, hud);
+}
+
+void hud_paint_most(Canvas *canvas, Text *text, const RenderPacket *packet, const RenderStats *previous, int width,
+                    int height) {
+    HudPainter painter = painter_of(canvas, text, packet, width, height);
+    canvas_begin(canvas, painter.layout.unit);
+    paint_most(&painter, packet, previous);
+}
+
+void hud_paint_accuracy_alone(Canvas *canvas, Text *text, const RenderPacket *packet, int width, int height) {
+    HudPainter painter = painter_of(canvas, text, packet, width, height);
+    canvas_begin(canvas, painter.layout.unit);
+    hud_paint_accuracy(&painter, packet);
+}
+
+CanvasRect hud_accuracy_place(const RenderPacket *packet, int width, int height) {
+    return shows_accuracy(packet) ? painter_of(NULL, NULL, packet, width, height).layout.accuracy : (CanvasRect){0};
+}
+
+void hud_paint(Canvas *canvas, Text *text, const RenderPacket *packet, const RenderStats *previous, int width,
+               int height) {
+    HudPainter painter = painter_of(canvas, text, packet, width, height);
+    canvas_begin(canvas, painter.layout.unit);
+    paint_most(&painter, packet, previous);
+    if (shows_accuracy(packet))
+        hud_paint_accuracy(&painter, packet);
 }

@@ -16,6 +16,12 @@ typedef struct HudPainter {
 // All of it, as hud_draw does. `previous` may be NULL.
 void hud_paint(Canvas *canvas, Text *text, const RenderPacket *packet, const RenderStats *previous, int width,
                int height);
+// The same in two: all but the panel of accuracy against time, and that panel alone. `place`: where it lies; empty: it
+// is not shown.
+void hud_paint_most(Canvas *canvas, Text *text, const RenderPacket *packet, const RenderStats *previous, int width,
+                    int height);
+void hud_paint_accuracy_alone(Canvas *canvas, Text *text, const RenderPacket *packet, int width, int height);
+CanvasRect hud_accuracy_place(const RenderPacket *packet, int width, int height);
 
 // The parts.
 void hud_paint_flight(const HudPainter *painter, const RenderPacket *packet);   // with the following two
@@ -27,7 +33,8 @@ void hud_paint_names(const HudPainter *painter, const RenderPacket *packet);   /
 void hud_paint_divider(const HudPainter *painter, const RenderPacket *packet); // between the halves of a split picture
 // Whether there are colours to explain.
 bool hud_wants_legend(const RenderPacket *packet);
-void hud_paint_legend(const HudPainter *painter, const RenderPacket *packet); // hud_legend.c
+void hud_paint_legend(const HudPainter *painter, const RenderPacket *packet);   // hud_legend.c
+void hud_paint_accuracy(const HudPainter *painter, const RenderPacket *packet); // hud_accuracy.c
 void hud_paint_message(const HudPainter *painter, const RenderHud *hud);
 void hud_paint_help(const HudPainter *painter, const RenderHud *hud); // hud_help.c
 
@@ -45,6 +52,13 @@ double hud_fade(double value, double from, double to);
 // `baseline`: as for canvas_text.
 void hud_text(const HudPainter *painter, CanvasPoint baseline, float size_px, CanvasAlign align, CanvasColour colour,
               const char *utf8);
+// A line of a panel: a name on the left, a value and its unit on the right.
+typedef struct HudRow {
+    const char *name, *value, *unit;
+    CanvasColour colour; // of the value
+} HudRow;
+// `top`: of the row in the panel's `box`.
+void hud_paint_row(const HudPainter *painter, CanvasRect box, float top, const HudRow *row);
 // `size_px`, or less where the text would be wider than `width_px`.
 float hud_fitting_size(const HudPainter *painter, const char *utf8, float size_px, float width_px);
 // The baseline that centres capitals and digits of this size on `middle_y`, on a whole pixel.

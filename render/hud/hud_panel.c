@@ -16,13 +16,8 @@ typedef struct Rows {
 } Rows;
 
 static void add_row(Rows *rows, const char *name, const char *value, const char *unit, CanvasColour colour) {
-    const HudLayout *layout = &rows->painter->layout;
-    float size = layout->small_px, y = hud_baseline(rows->painter, rows->y + layout->row_px * 0.5f, size);
-    float inset = 10.0f * layout->unit, unit_x = rows->box.x1 - inset - size * 1.9f;
-    hud_text(rows->painter, (CanvasPoint){rows->box.x0 + inset, y}, size, CANVAS_LEFT, HUD_DIM, name);
-    hud_text(rows->painter, (CanvasPoint){unit_x - size * 0.3f, y}, size, CANVAS_RIGHT, colour, value);
-    hud_text(rows->painter, (CanvasPoint){unit_x, y}, size, CANVAS_LEFT, HUD_DIM, unit);
-    rows->y += layout->row_px;
+    hud_paint_row(rows->painter, rows->box, rows->y, &(HudRow){name, value, unit, colour});
+    rows->y += rows->painter->layout.row_px;
 }
 
 static void add_number(Rows *rows, const char *name, double value, int decimals, const char *unit) {

@@ -191,22 +191,29 @@ static void find_worst(const MeasureRun *run, Measure *out) {
     out->worst_row = (int)(worst / run->dem->width);
 }
 
-static Result join(const MeasureRun *run, Measure *out) {
+static Result find_percentiles(MeasureRun *run, Measure *out) {
+    if (!out->samples)
+        return RESULT_OK;
+    Result result = percentile(run, out->samples, 0.999, &out->p999_px);
+    if (result == RESULT_OK && measure_goes_on(run))
+        result = percentile(run, out->samples, 0.99, &out->p99_px);
+    return result;
+}
+
+static Result join(MeasureRun *run, Measure *out) {
+    void (*const passes[])(const MeasureRun *, Measure *) = {count_vertices, count_cells, sum_samples, check_area,
+                                                             find_worst};
     for (int i = 0; i < run->worker_count; i++)
         if (run->workers[i].out_of_memory)
             return RESULT_MEMORY;
     Result result = measure_join_edges(run, out);
     if (result != RESULT_OK)
         return result;
-    count_vertices(run, out);
-    count_cells(run, out);
-    sum_samples(run, out);
-    check_area(run, out);
-    find_worst(run, out);
-    if (!out->samples)
-        return RESULT_OK;
-    result = percentile(run, out->samples, 0.999, &out->p999_px);
-    return result == RESULT_OK ? percentile(run, out->samples, 0.99, &out->p99_px) : result;
+    for (size_t i = 0; i < COUNT_OF(passes) && measure_goes_on(run); i++)
+        passes[i](run, out);
+    if (measure_goes_on(run))
+        result = find_percentiles(run, out);
+    return result == RESULT_OK && atomic_load(&run->ended) ? RESULT_BUDGET : result;
 }
 
 // ---- maps ----
@@ -219,6 +226,14 @@ static void fill_maps(const MeasureRun *run, const MeasureMaps *maps) {
         uint32_t key = atomic_load_explicit(&run->rises[i], memory_order_relaxed);
         maps->rise_m[i] = key == MEASURE_NO_KEY ? NAN : measure_value_of_key(key);
     }
+}
+
+bool measure_goes_on(MeasureRun *run) {
+    if (!run->pace || atomic_load_explicit(&run->ended, memory_order_relaxed))
+        return !run->pace;
+    if (!run->pace->go_on(run->pace->user))
+        atomic_store(&run->ended, true);
+    return !atomic_load_explicit(&run->ended, memory_order_relaxed);
 }
 
 static Result measure(MeasureRun *run, Jobs *jobs, const MeasureMaps *maps, Measure *out) {
@@ -252,4 +267,10 @@ Result measure_cut(const Terrain *terrain, const LodCut *cut, Jobs *jobs, Measur
 Result measure_cut_maps(const Terrain *terrain, const LodCut *cut, Jobs *jobs, const MeasureMaps *maps, Measure *out) {
     MeasureRun run = {.dem = terrain_dem(terrain), .grid = terrain_grid(terrain), .cut = cut};
     return measure(&run, jobs, maps, out);
+}
+
+Result measure_cut_paced(const Terrain *terrain, const LodCut *cut, Jobs *jobs, const MeasurePace *pace, Measure *out) {
+    MeasureRun run = {.dem = terrain_dem(terrain), .grid = terrain_grid(terrain), .cut = cut, .pace = pace};
+    const MeasureMaps none = {0};
+    return measure(&run, jobs, &none, out);
 }

@@ -47,3 +47,13 @@ typedef struct MeasurePopping {
 // `before_m`, `after_m`: rise_m of two cuts of the terrain. The same for any number of workers. MEMORY.
 MUST_USE Result measure_popping(const Terrain *terrain, const LodView *view, const float *before_m,
                                 const float *after_m, Jobs *jobs, MeasurePopping *out);
+
+// For who measures beside other work: `go_on` is asked before each item of the cut and each pass over the samples, by
+// all workers. It may wait; false ends the measuring.
+typedef struct MeasurePace {
+    bool (*go_on)(void *user);
+    void *user;
+} MeasurePace;
+// As measure_cut. BUDGET: `go_on` ended it, and nothing is measured.
+MUST_USE Result measure_cut_paced(const Terrain *terrain, const LodCut *cut, Jobs *jobs, const MeasurePace *pace,
+                                  Measure *out);

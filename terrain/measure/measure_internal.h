@@ -39,6 +39,8 @@ typedef struct MeasureRun {
     const Dem *dem;
     const Grid *grid;
     const LodCut *cut;
+    const MeasurePace *pace; // NULL: measured without a pause
+    atomic_bool ended;       // by `pace`
     int64_t samples, cell_count;
     _Atomic uint32_t *vertices; // [height][width]
     _Atomic uint32_t *errors;   // [height][width], bits of a float >= 0, the larger of the triangles that share it
@@ -71,6 +73,9 @@ typedef struct MeasureTriangle {
     uint16_t vertex[3]; // of the page
     int64_t area2;      // doubled, cells, > 0: counter-clockwise seen from above
 } MeasureTriangle;
+
+// Whether the measuring goes on; asked where it may pause.
+bool measure_goes_on(MeasureRun *run);
 
 // False for a triangle that covers nothing of the DEM: unsound in the sense of MeasureWorker.
 bool measure_triangle(const MeasureRun *run, const LodItem *item, int64_t triangle, MeasureTriangle *out);

@@ -138,7 +138,7 @@ static void mark_item(MeasureRun *run, MeasureWorker *worker, int64_t index) {
 }
 
 void measure_mark_vertices(MeasureRun *run, MeasureWorker *worker, int64_t begin, int64_t end) {
-    for (int64_t i = begin; i < end; i++)
+    for (int64_t i = begin; i < end && measure_goes_on(run); i++)
         mark_item(run, worker, i);
 }
 
@@ -165,7 +165,7 @@ static void walk_edge(MeasureRun *run, const MeasureTriangle *t, int i, int j) {
 
 void measure_find_junctions(MeasureRun *run, int64_t begin, int64_t end) {
     MeasureTriangle t;
-    for (int64_t i = begin; i < end; i++)
+    for (int64_t i = begin; i < end && measure_goes_on(run); i++)
         for (int64_t k = 0; k < run->cut->items[i].index_count / 3; k++)
             if (measure_triangle(run, &run->cut->items[i], k, &t))
                 for (int side = 0; side < 3; side++)

@@ -171,7 +171,7 @@ static void rasterise_triangle(MeasureRun *run, MeasureWorker *worker, const Lod
 
 void measure_rasterise(MeasureRun *run, MeasureWorker *worker, int64_t begin, int64_t end) {
     MeasureTriangle t;
-    for (int64_t i = begin; i < end; i++) {
+    for (int64_t i = begin; i < end && measure_goes_on(run); i++) {
         const LodItem *item = &run->cut->items[i];
         for (int64_t k = 0; k < item->index_count / 3; k++) {
             if (measure_triangle(run, item, k, &t))

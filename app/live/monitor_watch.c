@@ -1,0 +1,182 @@
+// The thread of a Monitor: measures drawn cuts and samples other tolerances in turn.
+#define _POSIX_C_SOURCE 200809L
+#include "app/live/monitor_internal.h"
+
+#include "base/clock.h"
+#include "base/log.h"
+#include "terrain/measure/measure.h"
+
+#include <string.h>
+#include <time.h>
+
+#define PIECE_NS 1000000       // of work between two rests
+#define HOLD_WAIT_NS 200000000 // for a frame, before looking whether the panel was closed
+#define TURN_REST_NS 100000000 // at least, between two turns
+#define SAMPLE_MS_MOST 25.0    // finer tolerances than one that takes longer are not sampled
+
+static bool is_wanted(const Watch *watch) {
+    return watch->open && !watch->leaving;
+}
+
+// Rests, unless the work is not wanted any more: then false, and at once.
+static bool rest_for(Watch *watch, int64_t rest_ns) {
+    int64_t until_ns = clock_now_ns() + rest_ns;
+    const struct timespec until = {until_ns / 1000000000, until_ns % 1000000000};
+    pthread_mutex_lock(&watch->lock);
+    watch->findings.spent_ns = pace_thread_ns();
+    while (is_wanted(watch) && pthread_cond_timedwait(&watch->changed, &watch->lock, &until) == 0) {
+    }
+    bool wanted = is_wanted(watch);
+    pthread_mutex_unlock(&watch->lock);
+    return wanted;
+}
+
+static bool rest(Watch *watch) {
+    return rest_for(watch, pace_rest_ns(&watch->pace));
+}
+
+static bool go_on(void *user) {
+    Watch *watch = user;
+    return pace_worked_ns(&watch->pace) < PIECE_NS || rest(watch);
+}
+
+// ---- the error of a drawn cut ----
+
+static void tell_error(Watch *watch, const PipelineHeld *held, RenderAccuracyState state, const Measure *measure) {
+    const RenderAccuracyError error = {.state = state,
+                                       .max_px = measure->max_px,
+                                       .p999_px = measure->p999_px,
+                                       .above_tau_share = measure->above_tau_share,
+                                       .cracks = measure->t_junctions + measure->holes + measure->overlaps,
+                                       .tau_px = held->cut.view.tau_px,
+                                       .promised_px = held->cut.reached_px,
+                                       .promises = held->cut.promises};
+    pthread_mutex_lock(&watch->lock);
+    if (is_wanted(watch)) {
+        watch->findings.error = error;
+        watch->findings.error_method = held->method;
+        watch->findings.drawn_ns = held->drawn_ns;
+    }
+    pthread_mutex_unlock(&watch->lock);
+}
+
+static RenderAccuracyState state_before_measuring(const PipelineHeld *held) {
+    if (held->cut.resident)
+        return RENDER_ACCURACY_RESIDENT;
+    return held->partial ? RENDER_ACCURACY_PARTIAL : RENDER_ACCURACY_NOTHING;
+}
+
+// The pipeline waits for nobody: the cut is copied, let go, and measured then.
+static void measure_drawn(Watch *watch) {
+    PipelineHeld held;
+    Measure measure = {0};
+    if (!pipeline_hold(watch->options.pipeline, clock_now_ns() + HOLD_WAIT_NS, &held))
+        return;
+    RenderAccuracyState state = state_before_measuring(&held);
+    Result result = state == RENDER_ACCURACY_NOTHING ? cut_copy_take(&watch->copy, &held.cut) : RESULT_OK;
+    pipeline_let_go(watch->options.pipeline);
+    if (state == RENDER_ACCURACY_NOTHING) {
+        const MeasurePace pace = {go_on, watch};
+        if (result == RESULT_OK)
+            result = measure_cut_paced(watch->options.terrain, &watch->copy.cut, watch->one, &pace, &measure);
+        state = result == RESULT_OK ? RENDER_ACCURACY_MEASURED : RENDER_ACCURACY_FAILED;
+    }
+    if (result != RESULT_BUDGET)
+        tell_error(watch, &held, state, &measure);
+}
+
+// ---- other tolerances ----
+
+static bool is_refused(const Watch *watch, LodMethod method) {
+    return watch->sampler_refused && watch->sampler_refused_method == method;
+}
+
+static void refuse(Watch *watch, LodMethod method) {
+    watch->sampler_refused = true;
+    watch->sampler_refused_method = method;
+    sampler_destroy(&watch->sampler);
+}
+
+static bool has_sampler(Watch *watch, LodMethod method) {
+    if (watch->sampler && sampler_method(watch->sampler) != method)
+        sampler_destroy(&watch->sampler);
+    // Every sample is drawn whatever the tolerance.
+    if (watch->sampler || method == LOD_BRUTE || is_refused(watch, method))
+        return watch->sampler;
+    watch->next_sample = CURVE_SAMPLES - 1;
+    if (sampler_create(&watch->options.lod, method, watch->options.terrain, &watch->sampler) != RESULT_OK)
+        refuse(watch, method);
+    watch->pace.rested_at_ns = pace_thread_ns(); // once a method, and not to be waited for a hundred times over
+    return watch->sampler;
+}
+
+static void tell_sample(Watch *watch, int index, const CurveSample *sample, LodMethod method, bool split) {
+    pthread_mutex_lock(&watch->lock);
+    WatchFindings *findings = &watch->findings;
+    if (findings->samples_method != method || findings->samples_split != split)
+        memset(findings->samples, 0, sizeof findings->samples);
+    findings->samples_method = method;
+    findings->samples_split = split;
+    if (is_wanted(watch))
+        findings->samples[index] = *sample;
+    pthread_mutex_unlock(&watch->lock);
+}
+
+// From the coarsest to the finest, and again.
+static bool sample_next(Watch *watch) {
+    pthread_mutex_lock(&watch->lock);
+    const SamplerView view = watch->view;
+    LodMethod method = watch->method;
+    bool split = watch->split;
+    pthread_mutex_unlock(&watch->lock);
+    if (!has_sampler(watch, method))
+        return false;
+    CurveSample sample = {0};
+    int index = watch->next_sample;
+    Result result = sampler_take(watch->sampler, &view, curve_sample_tau(index), watch->one, &sample);
+    if (result != RESULT_OK && result != RESULT_BUDGET) {
+        refuse(watch, method);
+        return false;
+    }
+    tell_sample(watch, index, &sample, method, split);
+    bool slow = result == RESULT_BUDGET || sample.refine_ms > SAMPLE_MS_MOST;
+    watch->next_sample = index == 0 || slow ? CURVE_SAMPLES - 1 : index - 1;
+    return rest(watch);
+}
+
+// ---- the thread ----
+
+// A quarter as long for the samples as for the error, and one sample at least.
+static void take_turn(Watch *watch) {
+    int64_t begin_ns = pace_thread_ns();
+    measure_drawn(watch);
+    int64_t measured_ns = pace_thread_ns();
+    if (!rest_for(watch, TURN_REST_NS) || !rest(watch))
+        return;
+    while (sample_next(watch) && 4 * (pace_thread_ns() - measured_ns) < measured_ns - begin_ns) {
+    }
+}
+
+static void forget(Watch *watch) {
+    sampler_destroy(&watch->sampler);
+    cut_copy_free(&watch->copy);
+    watch->sampler_refused = false;
+}
+
+void watch_run(Watch *watch) {
+    watch->pace = pace_begin(MONITOR_SHARE);
+    pthread_mutex_lock(&watch->lock);
+    while (!watch->leaving) {
+        bool open = watch->open;
+        pthread_mutex_unlock(&watch->lock);
+        if (open)
+            take_turn(watch);
+        else
+            forget(watch);
+        pthread_mutex_lock(&watch->lock);
+        while (!watch->open && !watch->leaving && !open)
+            pthread_cond_wait(&watch->changed, &watch->lock);
+    }
+    pthread_mutex_unlock(&watch->lock);
+    forget(watch);
+}
