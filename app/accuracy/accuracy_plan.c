@@ -17,7 +17,7 @@
 #define FULL_KINDS "midpoint,total:8,total"
 #define QUICK_KINDS "midpoint"
 #define FLIGHTS "valley,ridge,pass,dive,turn"
-#define FULL_FRAMES 24
+#define FULL_FRAMES 12
 #define QUICK_FRAMES 6
 #define QUICK_WIDTH 400
 #define QUICK_HEIGHT 250
