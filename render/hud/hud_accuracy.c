@@ -284,12 +284,13 @@ static void add_key(Board *board) {
 
 static void add_chart(Board *board, float height_px) {
     float size = board->painter->layout.small_px, bottom = board->y + height_px;
-    add_row(board, "frame time over " TAU, "", "", HUD_INK);
+    add_text(board, inner_x0(board), CANVAS_LEFT, HUD_DIM, "frame time over " TAU);
     add_text(board, inner_x1(board), CANVAS_RIGHT, HUD_DIM, "ms, px");
+    board->y += row_px(board);
     if (board->full)
         bottom -= row_px(board); // of the key
-    CanvasRect area = {inner_x0(board) + 2.6f * size, board->y - row_px(board) + 1.5f * row_px(board),
-                       inner_x1(board) - 0.6f * size, bottom - 1.1f * row_px(board)};
+    CanvasRect area = {inner_x0(board) + 2.6f * size, board->y + 0.5f * row_px(board), inner_x1(board) - 0.6f * size,
+                       bottom - 1.1f * row_px(board)};
     area = (CanvasRect){roundf(area.x0), roundf(area.y0), roundf(area.x1), roundf(area.y1)};
     const Chart chart = chart_of(board, area);
     paint_tau_axis(board, &chart);

@@ -221,8 +221,8 @@ bool measure_goes_on(MeasureRun *run) {
     return !atomic_load_explicit(&run->ended, memory_order_relaxed);
 }
 
-static Result measure(const Dem *dem, const Grid *grid, const LodCut *cut, Jobs *jobs, const MeasurePace *pace,
-                      Measure *out) {
+Result measure_cut_paced(const Dem *dem, const Grid *grid, const LodCut *cut, Jobs *jobs, const MeasurePace *pace,
+                         Measure *out) {
     MeasureRun run = {.dem = dem, .grid = grid, .cut = cut, .pace = pace};
     Measure measure = {0};
     Result result = run_begin(&run, jobs_worker_count(jobs));
@@ -240,13 +240,9 @@ static Result measure(const Dem *dem, const Grid *grid, const LodCut *cut, Jobs 
 }
 
 Result measure_cut_of(const Dem *dem, const Grid *grid, const LodCut *cut, Jobs *jobs, Measure *out) {
-    return measure(dem, grid, cut, jobs, NULL, out);
+    return measure_cut_paced(dem, grid, cut, jobs, NULL, out);
 }
 
 Result measure_cut(const Terrain *terrain, const LodCut *cut, Jobs *jobs, Measure *out) {
-    return measure(terrain_dem(terrain), terrain_grid(terrain), cut, jobs, NULL, out);
-}
-
-Result measure_cut_paced(const Terrain *terrain, const LodCut *cut, Jobs *jobs, const MeasurePace *pace, Measure *out) {
-    return measure(terrain_dem(terrain), terrain_grid(terrain), cut, jobs, pace, out);
+    return measure_cut_paced(terrain_dem(terrain), terrain_grid(terrain), cut, jobs, NULL, out);
 }
