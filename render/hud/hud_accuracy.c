@@ -169,7 +169,7 @@ static void name_tau(int octave, char out[HUD_NUMBER_BYTES]) {
 }
 
 static void paint_tau_axis(const Board *board, const Chart *chart) {
-    int octaves = (int)(chart->log_most - chart->log_least), step = octaves > 7 ? 2 : 1;
+    int octaves = (int)(chart->log_most - chart->log_least), step = octaves > 9 ? 3 : octaves > 7 ? 2 : 1;
     float size = board->painter->layout.small_px;
     float y = hud_baseline(board->painter, chart->area.y1 + row_px(board) * 0.55f, size);
     for (int i = 0; i <= octaves && i <= OCTAVES_MOST; i++) {
