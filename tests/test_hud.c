@@ -407,7 +407,10 @@ static int count_accuracy_shapes(Bench *bench, const RenderAccuracy *told, int w
                       fminf(shapes[i].a[1], shapes[i].a[3]) + spread >= place.y0 &&
                       fmaxf(shapes[i].a[1], shapes[i].a[3]) - spread <= place.y1;
         if (!inside)
-            print_error("%dx%d: a shape of kind %.0f outside\n", width, height, (double)shapes[i].kind);
+            print_error("%dx%d: a shape of kind %.0f outside, %.1f %.1f to %.1f %.1f of %.1f %.1f to %.1f %.1f\n",
+                        width, height, (double)shapes[i].kind, (double)shapes[i].a[0], (double)shapes[i].a[1],
+                        (double)shapes[i].a[2], (double)shapes[i].a[3], (double)place.x0, (double)place.y0,
+                        (double)place.x1, (double)place.y1);
         assert_true(inside);
     }
     return count;

@@ -25,9 +25,9 @@
 
 #define WIDTH 320
 #define HEIGHT 200
-#define SIDE 257
+#define SIDE 129
 #define FOV_RAD (60.0 * GEODESY_RAD_PER_DEG)
-#define WAIT_NS 60000000000LL // sanitizers and other work are slow
+#define WAIT_NS 120000000000LL // sanitizers and other work are slow
 #define FRAME_WAIT_NS 20000000000LL
 
 static const DemGeoref GEOREF = {

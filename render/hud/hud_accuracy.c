@@ -8,7 +8,8 @@
 #define TAU "\xCF\x84"
 #define LEAST_PX 0.25 // the axis of tolerances, which grows where it must
 #define MOST_PX 16.0
-#define OCTAVES_MOST 18
+#define OCTAVE_LEAST (-10.0) // and no further
+#define OCTAVE_MOST 16.0
 #define ROWS_FULL 24.0f  // from so many on nothing is left out
 #define ROWS_STACK 14.0f // below: no stages
 #define ROWS_CHART 9.0f  // below: no curve
@@ -124,7 +125,8 @@ typedef struct Chart {
 } Chart;
 
 static double octave_within(double tau_px, double otherwise) {
-    return isfinite(tau_px) && tau_px > 0.0 ? log2(tau_px) : log2(otherwise);
+    double octave = isfinite(tau_px) && tau_px > 0.0 ? log2(tau_px) : log2(otherwise);
+    return fmin(fmax(octave, OCTAVE_LEAST), OCTAVE_MOST);
 }
 
 static Chart chart_of(const Board *board, CanvasRect area) {
@@ -172,14 +174,15 @@ static void paint_tau_axis(const Board *board, const Chart *chart) {
     int octaves = (int)(chart->log_most - chart->log_least), step = octaves > 9 ? 3 : octaves > 7 ? 2 : 1;
     float size = board->painter->layout.small_px;
     float y = hud_baseline(board->painter, chart->area.y1 + row_px(board) * 0.55f, size);
-    for (int i = 0; i <= octaves && i <= OCTAVES_MOST; i++) {
+    for (int i = 0; i <= octaves; i++) {
         char label[HUD_NUMBER_BYTES];
         int octave = (int)chart->log_least + i;
         float x = chart_x(chart, exp2(octave));
         paint_thin(board, x, chart->area.y0, x, chart->area.y1, hud_faded(HUD_INK, 0.12));
         name_tau(octave, label);
+        float most = inner_x1(board) - 0.5f * text_width_px(board->painter->text, label, size);
         if (i % step == 0)
-            hud_text(board->painter, (CanvasPoint){x, y}, size, CANVAS_CENTRE, HUD_DIM, label);
+            hud_text(board->painter, (CanvasPoint){fminf(x, most), y}, size, CANVAS_CENTRE, HUD_DIM, label);
     }
 }
 

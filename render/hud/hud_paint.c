@@ -24,6 +24,7 @@ void hud_paint_row(const HudPainter *painter, CanvasRect box, float top, const H
     float inset = 10.0f * layout->unit, unit_x = box.x1 - inset - size * 1.9f;
     hud_text(painter, (CanvasPoint){box.x0 + inset, y}, size, CANVAS_LEFT, HUD_DIM, row->name);
     float room = unit_x - size * 0.8f - box.x0 - inset - text_width_px(painter->text, row->name, size);
+    room = fmaxf(room, size);
     hud_text(painter, (CanvasPoint){unit_x - size * 0.3f, y}, hud_fitting_size(painter, row->value, size, room),
              CANVAS_RIGHT, row->colour, row->value);
     hud_text(painter, (CanvasPoint){unit_x, y}, size, CANVAS_LEFT, HUD_DIM, row->unit);
