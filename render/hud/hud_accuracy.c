@@ -103,8 +103,8 @@ static void add_details(Board *board, const RenderAccuracyError *error) {
     double above = measured ? 100.0 * error->above_tau_share : (double)NAN;
     double cracks = measured ? (double)error->cracks : (double)NAN;
     add_number(board, "99.9 % within", measured ? error->p999_px : (double)NAN, 2, "px", HUD_INK);
-    add_number(board, "samples above " TAU, above, 3, "%", above > 0.0 ? HUD_WARN : HUD_INK);
-    add_number(board, "cracks", cracks, 0, "", cracks > 0.0 ? HUD_WARN : HUD_INK);
+    add_number(board, "samples above " TAU, above, 3, "%", measured && above > 0.0 ? HUD_WARN : HUD_INK);
+    add_number(board, "cracks", cracks, 0, "", measured && cracks > 0.0 ? HUD_WARN : HUD_INK);
 }
 
 static void add_error(Board *board) {
@@ -263,7 +263,7 @@ static void paint_present(const Board *board, const Chart *chart) {
 
 static void paint_target(const Board *board, const Chart *chart) {
     double target_ms = board->told->target_ms;
-    if (!(target_ms > 0.0) || target_ms > chart->axis_ms)
+    if (!isfinite(target_ms) || target_ms <= 0.0 || target_ms > chart->axis_ms)
         return;
     float y = chart_y(chart, target_ms), dash = 5.0f * board->painter->layout.unit;
     for (float x = chart->area.x0; x + dash <= chart->area.x1; x += 2.0f * dash)
@@ -366,7 +366,7 @@ static void add_stages(Board *board) {
 static void add_percentiles(Board *board) {
     char name[HUD_NUMBER_BYTES + 16], p50[HUD_NUMBER_BYTES], p99[HUD_NUMBER_BYTES], both[2 * HUD_NUMBER_BYTES + 4];
     const RenderAccuracy *told = board->told;
-    int decimals = told->p99_ms < 100.0 ? 1 : 0;
+    int decimals = isfinite(told->p99_ms) && told->p99_ms < 100.0 ? 1 : 0;
     hud_format_fixed(p50, told->p50_ms, decimals);
     hud_format_fixed(p99, told->p99_ms, decimals);
     snprintf(name, sizeof name, "p50, p99 of %.0f s", isfinite(told->seconds) ? fmin(told->seconds, 999.0) : 0.0);
