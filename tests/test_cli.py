@@ -335,6 +335,36 @@ def two_methods_are_reported_side_by_side(cli):
         expect("frames by method", report["frames_by_method"], {"brute": report["frames"], "hybrid": report["frames"]})
 
 
+def the_panel_of_accuracy_tells_what_it_measured(cli):
+    for more in ([], ["--lockstep"], ["--compare", "geomipmap"]):
+        report = cli.json("fly", "--size", "640x400", "--no-window", "--demo", "--accuracy", "--frames", "120", *more)
+        panel = report["accuracy"]
+        measured = panel["measured"]
+        expect("state", measured["state"], "measured")
+        if not 0.0 < measured["p999_px"] <= measured["max_px"] <= measured["promised_px"] == 1.0:
+            raise Fault(f"{more}: expected errors up to the promised 1 px, found {measured}")
+        expect("cracks and samples above", (measured["cracks"], measured["above_tau_share"]), (0, 0))
+        flown = [point for point in panel["curve"] if point["flown"]]
+        expect("flown", [round(point["tau_px"], 6) for point in flown], [1.0])
+        if not all(point["least_ms"] <= point["most_ms"] for point in panel["curve"] if not point["flown"]):
+            raise Fault(f"{more}: bounds out of order in {panel['curve']}")
+        if not 0 < panel["p50"] <= panel["p99"] or not panel["stack"]["draw_ms"] > 0:
+            raise Fault(f"{more}: expected times, found {panel}")
+    report = cli.json("fly", *SMALL, "--no-window", "--demo", "--frames", "3")
+    expect("without the panel", ("accuracy" in report, report["accuracy_panel"]), (False, False))
+
+
+def the_cost_of_the_panel_is_measured(cli):
+    report = cli.json("bench", "panel", *SMALL, "--frames", "4")
+    expect("rounds and frames", (report["rounds"], report["frames"], report["limit_share"]), (5, 4, 0.03))
+    for name in ("cost_share", "processor_share"):
+        share = report[name]
+        if not share["min"] <= share["median"] <= share["max"]:
+            raise Fault(f"expected a spread, found {share}")
+    if not report["frame_ms_without"]["p50"] > 0 or not report["frame_ms_with"]["p50"] > 0:
+        raise Fault(f"expected times, found {report}")
+
+
 def the_corner_bound_holds_in_flight_too(cli):
     """As many triangles as the picture of the same view, whose refinement the mesh's tests measure; halves too."""
     view = ["--size", "640x360", "--eye", "36.50,-84.20,1200m", "--look", "60,0", "--tau", "2", "--json"]
@@ -447,7 +477,8 @@ CASES = [help_is_instant_and_complete, help_comes_even_with_a_damaged_file, wron
          brute_keeps_the_budget_in_flight_only,
          partitions_draw_the_serial_triangles, a_snapshot_is_the_same_each_time,
          a_target_and_lockstep_exclude_one_another, a_governed_flight_tells_its_target, the_governor_is_measured,
-         two_methods_are_reported_side_by_side, the_corner_bound_holds_in_flight_too,
+         two_methods_are_reported_side_by_side, the_panel_of_accuracy_tells_what_it_measured,
+         the_cost_of_the_panel_is_measured, the_corner_bound_holds_in_flight_too,
          a_flight_repeats_in_lockstep, overlapped_stages_draw_what_lockstep_draws,
          pictures_are_spread_over_the_flight, without_a_display_it_says_how_to_get_a_window,
          an_old_opengl_is_named_beside_what_is_needed, signals_end_a_flight_cleanly,

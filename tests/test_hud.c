@@ -140,6 +140,7 @@ static int list_rects(const HudLayout *l, NamedRect out[16]) {
         {"panel", l->panel},
         {"legend", l->legend},
         {"low legend", l->legend_low},
+        {"accuracy", l->accuracy},
         {"speed", l->speed_scale.y1 > l->speed_scale.y0 ? l->speed_scale : l->speed_box},
         {"altitude", l->altitude_scale.y1 > l->altitude_scale.y0 ? l->altitude_scale : l->altitude_box},
     };
@@ -153,8 +154,10 @@ static float rect_distance(CanvasPoint c, CanvasRect r) {
     return hypotf(x, y);
 }
 
-static int count_layout_faults(int width, int height, bool numbers) {
+static int count_layout_faults(int width, int height, bool numbers, bool accuracy) {
     HudLayout layout = hud_layout_make(width, height, numbers);
+    if (accuracy)
+        hud_layout_add_accuracy(&layout, false);
     NamedRect rects[16];
     int count = list_rects(&layout, rects), faults = 0;
     for (int i = 0; i < count; i++) {
@@ -181,9 +184,33 @@ static void parts_do_not_overlap_at_any_size(void **state) {
     int faults = 0, sizes = 0;
     for (int width = 640; width <= 4096; width += 32)
         for (int height = 400; height <= 2400; height += 16, sizes++)
-            for (int numbers = 0; numbers < 2 && faults < 40; numbers++)
-                faults += count_layout_faults(width, height, numbers);
+            for (int numbers = 0; numbers < 4 && faults < 40; numbers++)
+                faults += count_layout_faults(width, height, numbers % 2 != 0, numbers >= 2);
     print_message("%d sizes: expected 0 faults, found %d\n", sizes, faults);
+    assert_int_equal(faults, 0);
+}
+
+// Under the panel of the left half, beside its circle, and in no way of the scales.
+static void accuracy_of_a_split_picture_does_not_overlap_at_any_size(void **state) {
+    (void)state;
+    int faults = 0, shown = 0;
+    for (int width = 640; width <= 4096; width += 32)
+        for (int height = 400; height <= 2400; height += 16) {
+            HudLayout layout = hud_layout_make(width, height, true);
+            hud_layout_split(&layout);
+            hud_layout_add_accuracy(&layout, true);
+            CanvasRect r = layout.accuracy;
+            if (r.x1 <= r.x0)
+                continue;
+            shown++;
+            const CanvasRect others[] = {layout.panel,  layout.heading,     layout.note,        layout.message,
+                                         layout.legend, layout.speed_title, layout.speed_notes, layout.speed_scale};
+            for (size_t i = 0; i < COUNT_OF(others); i++)
+                faults += rects_overlap(r, others[i]);
+            faults += r.x0 < 0.0f || r.y0 < 0.0f || r.x1 > 0.5f * (float)width || r.y1 > (float)height;
+        }
+    print_message("%d sizes with a panel: expected 0 faults, found %d\n", shown, faults);
+    assert_true(shown > 10000);
     assert_int_equal(faults, 0);
 }
 
@@ -210,6 +237,39 @@ static const RenderHelpRow HELP[] = {
     {"v", "next view"},
     {"l", "next colouring: land, level, cache, partition"},
 };
+
+// Numbers as wide as they get.
+static RenderAccuracy extreme_accuracy(void) {
+    RenderAccuracy told;
+    memset(&told, 0, sizeof told);
+    told.show = true;
+    told.error = (RenderAccuracyError){.state = RENDER_ACCURACY_MEASURED,
+                                       .max_px = 98765.4321,
+                                       .p999_px = 98765.4321,
+                                       .above_tau_share = 0.99999,
+                                       .cracks = 123456789,
+                                       .tau_px = 999.99,
+                                       .promised_px = 99999.99,
+                                       .promises = true,
+                                       .age_s = 99999.9};
+    for (int i = 0; i < RENDER_ACCURACY_POINTS; i++)
+        told.points[told.point_count++] = (RenderAccuracyPoint){.tau_px = 0.01f * exp2f(0.25f * (float)i),
+                                                                .frame_ms = 12345.6f / (float)(i + 1),
+                                                                .least_ms = 1.0f,
+                                                                .most_ms = 99999.0f,
+                                                                .freshness = (float)i / RENDER_ACCURACY_POINTS,
+                                                                .flown = i % 3 == 0};
+    told.tau_px = 0.013;
+    told.frame_ms = told.p50_ms = told.p99_ms = 12345.6;
+    told.seconds = 60.0;
+    told.target_ms = 9000.0;
+    told.axis_ms = 20000.0;
+    told.frame_count = RENDER_ACCURACY_FRAMES;
+    for (int i = 0; i < RENDER_ACCURACY_FRAMES; i++)
+        told.frames[i] = (RenderAccuracyFrame){1234.5f, 2345.6f, 3456.7f, 99999.0f};
+    told.mean = told.frames[0];
+    return told;
+}
 
 // Values as wide as they get.
 static RenderPacket extreme_packet(void) {
@@ -276,7 +336,8 @@ static void text_stays_inside_and_apart_at_its_widest(void **state) {
                             {1920, 1080}, {2560, 1080}, {3840, 2160}, {4096, 500}};
     previous.right = (RenderCutStats){.upload_bytes = 1, .upload_ms = 1234.5, .draw_ms = 1234.5};
     for (size_t i = 0; i < COUNT_OF(SIZES); i++)
-        for (int help = 0; help < 6; help++) { // without and with; for whole pictures, split ones, and with names only
+        for (int variant = 0; variant < 12; variant++) { // without and with the panel of accuracy
+            int help = variant % 6;                      // and help; for whole pictures, split ones, with names only
             LodItem items[2] = {{.level = 0, .partition = 0}, {.level = 30, .partition = 63}};
             RenderPacket packet = extreme_packet();
             packet.hud.show_help = help % 2;
@@ -289,10 +350,12 @@ static void text_stays_inside_and_apart_at_its_widest(void **state) {
             packet.hud.right_method = "roam-parallel";
             packet.hud.show_numbers = help < 4;
             packet.hud.show_names = help >= 4;
+            if (variant >= 6)
+                packet.hud.accuracy = extreme_accuracy();
             hud_paint(bench->canvas, bench->text, &packet, &previous, SIZES[i][0], SIZES[i][1]);
             int found = count_text_faults(bench->canvas, SIZES[i][0], SIZES[i][1]);
             if (found)
-                print_error("%dx%d, variant %d: %d glyphs outside or over others\n", SIZES[i][0], SIZES[i][1], help,
+                print_error("%dx%d, variant %d: %d glyphs outside or over others\n", SIZES[i][0], SIZES[i][1], variant,
                             found);
             faults += found;
         }
@@ -312,6 +375,92 @@ static void smaller_windows_draw_something_finite(void **state) {
             int count = canvas_under(bench->canvas, &shapes);
             assert_true(count > 0);
         }
+}
+
+// The first disc of that radius, in the accent's colour: a ring as wide as its radius.
+static bool find_disc(const Canvas *canvas, double radius, double *x, double *y) {
+    const CanvasShape *shapes;
+    int count = canvas_over(canvas, &shapes);
+    for (int i = 0; i < count; i++) {
+        double outer = 0.5 * (double)(shapes[i].a[2] - shapes[i].a[0]) + (double)shapes[i].b[1];
+        if (shapes[i].kind != CANVAS_BOX || fabs(outer - radius) > 0.01)
+            continue;
+        *x = 0.5 * (double)(shapes[i].a[0] + shapes[i].a[2]);
+        *y = 0.5 * (double)(shapes[i].a[1] + shapes[i].a[3]);
+        return true;
+    }
+    return false;
+}
+
+// The panel from nothing, from what is no number, and from each state: all shapes are finite and inside the plate.
+static int count_accuracy_shapes(Bench *bench, const RenderAccuracy *told, int width, int height) {
+    RenderPacket packet = extreme_packet();
+    packet.hud.accuracy = *told;
+    hud_paint_accuracy_alone(bench->canvas, bench->text, &packet, width, height);
+    CanvasRect place = hud_accuracy_place(&packet, width, height);
+    const CanvasShape *shapes;
+    int count = canvas_over(bench->canvas, &shapes);
+    for (int i = 0; i < count; i++) {
+        float spread = shapes[i].kind == CANVAS_GLYPH ? shapes[i].spread : 0.0f;
+        bool inside = fminf(shapes[i].a[0], shapes[i].a[2]) + spread >= place.x0 &&
+                      fmaxf(shapes[i].a[0], shapes[i].a[2]) - spread <= place.x1 &&
+                      fminf(shapes[i].a[1], shapes[i].a[3]) + spread >= place.y0 &&
+                      fmaxf(shapes[i].a[1], shapes[i].a[3]) - spread <= place.y1;
+        if (!inside)
+            print_error("%dx%d: a shape of kind %.0f outside, %.1f %.1f to %.1f %.1f of %.1f %.1f to %.1f %.1f\n",
+                        width, height, (double)shapes[i].kind, (double)shapes[i].a[0], (double)shapes[i].a[1],
+                        (double)shapes[i].a[2], (double)shapes[i].a[3], (double)place.x0, (double)place.y0,
+                        (double)place.x1, (double)place.y1);
+        assert_true(inside);
+    }
+    return count;
+}
+
+static void accuracy_is_painted_whatever_it_is_told(void **state) {
+    Bench *bench = *state;
+    const int SIZES[][2] = {{640, 400}, {800, 600}, {1280, 800}, {1920, 1080}, {4096, 500}};
+    fenv_t trapping;
+    feholdexcept(&trapping); // to compare with what is no number is an exception
+    const double NUMBERS[] = {0.0, (double)NAN, (double)INFINITY, -(double)INFINITY, -1.0, 1e300, 1e-300};
+    for (size_t i = 0; i < COUNT_OF(SIZES); i++) {
+        RenderAccuracy told = {.show = true};
+        int empty = count_accuracy_shapes(bench, &told, SIZES[i][0], SIZES[i][1]);
+        told = extreme_accuracy();
+        int full = count_accuracy_shapes(bench, &told, SIZES[i][0], SIZES[i][1]);
+        print_message("%dx%d: %d shapes for nothing, %d for much\n", SIZES[i][0], SIZES[i][1], empty, full);
+        assert_true(empty > 40 && full > empty);
+        for (size_t k = 0; k < COUNT_OF(NUMBERS); k++)
+            for (int where = 0; where < 4; where++) {
+                told = extreme_accuracy();
+                double odd = NUMBERS[k];
+                told.error.state = (RenderAccuracyState)(k % RENDER_ACCURACY_STATE_COUNT);
+                *(double *[]){&told.axis_ms, &told.tau_px, &told.frame_ms, &told.error.max_px}[where] = odd;
+                told.p50_ms = told.p99_ms = told.target_ms = told.error.age_s = told.seconds = odd;
+                told.points[3] =
+                    (RenderAccuracyPoint){(float)NUMBERS[k % 5], (float)NUMBERS[k % 5], 1.0f, 1.0f, 1.0f, k % 2};
+                told.frames[7].draw_ms = told.mean.refine_ms = (float)NUMBERS[k % 5];
+                count_accuracy_shapes(bench, &told, SIZES[i][0], SIZES[i][1]);
+            }
+    }
+    fesetenv(&trapping);
+}
+
+// The point that the flight is at moves with the tolerance: to the right where that grows, and up where time does.
+static void the_present_point_moves_along_the_curve(void **state) {
+    Bench *bench = *state;
+    double x = -1.0, y = 1e9;
+    for (double tau = 0.25; tau <= 16.0; tau *= 2.0) {
+        RenderPacket packet = extreme_packet();
+        packet.hud.accuracy =
+            (RenderAccuracy){.show = true, .tau_px = tau, .frame_ms = 10.0 + 4.0 * log2(tau), .axis_ms = 50.0};
+        hud_paint_accuracy_alone(bench->canvas, bench->text, &packet, 1280, 800);
+        double now_x = 0.0, now_y = 0.0;
+        assert_true(find_disc(bench->canvas, 5.0, &now_x, &now_y));
+        print_message("tau %.2f: at %.1f, %.1f\n", tau, now_x, now_y);
+        assert_true(now_x > x + 10.0 && now_y < y - 2.0);
+        x = now_x;
+        y = now_y;
+    }
 }
 
 // ---- directions ----
@@ -630,6 +779,8 @@ static void painting_allocates_nothing_after_warm_up(void **state) {
         packet.hud.help_count = COUNT_OF(HELP);
         packet.hud.message = i % 3 ? "written to overfly-0001.png" : NULL;
         packet.hud.altitude_m = 1.7 * i;
+        packet.hud.accuracy = extreme_accuracy();
+        packet.hud.accuracy.show = i % 2;
         hud_paint(bench->canvas, bench->text, &packet, NULL, 1280, 800);
     }
     print_message("allocations in 1000 frames: expected 0, found %ld\n", allocations - before);
@@ -639,6 +790,9 @@ static void painting_allocates_nothing_after_warm_up(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(parts_do_not_overlap_at_any_size),
+        cmocka_unit_test(accuracy_of_a_split_picture_does_not_overlap_at_any_size),
+        cmocka_unit_test(accuracy_is_painted_whatever_it_is_told),
+        cmocka_unit_test(the_present_point_moves_along_the_curve),
         cmocka_unit_test(text_stays_inside_and_apart_at_its_widest),
         cmocka_unit_test(smaller_windows_draw_something_finite),
         cmocka_unit_test(horizon_is_within_half_a_pixel),

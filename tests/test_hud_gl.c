@@ -145,6 +145,12 @@ static void bank_pointer_stands_at_the_bank_angle(void **state) {
     }
 }
 
+// A panel of accuracy as it is told.
+static void tell_accuracy(RenderPacket *packet, uint64_t revision, double tau_px) {
+    packet->hud.accuracy =
+        (RenderAccuracy){.show = true, .revision = revision, .tau_px = tau_px, .frame_ms = 20.0, .axis_ms = 50.0};
+}
+
 #define STATE_VALUES 64
 static int read_state(GLint out[STATE_VALUES]) {
     const GLenum INTEGERS[] = {
@@ -209,6 +215,7 @@ static void state_of_gl_is_as_before(void **state) {
     RenderPacket packet = packet_make(0.0, 0.0);
     packet.hud.message = "characters that no frame before had: \xD0\x96 \xD0\xA9 \xC3\x9F"; // uploads the atlas
     int count = read_state(before), differing = 0;
+    tell_accuracy(&packet, 0, 1.0);
     hud_draw(bench->hud, &packet, NULL, WIDTH, HEIGHT);
     read_state(after);
     for (int i = 0; i < count; i++)
@@ -220,6 +227,39 @@ static void state_of_gl_is_as_before(void **state) {
     glDeleteTextures(1, &texture);
     glDeleteSamplers(1, &sampler);
     glDeleteVertexArrays(1, &vertex_array);
+}
+
+static uint64_t hash_of(const Bench *bench) {
+    const uint8_t *bytes = &bench->rgb[0][0][0];
+    uint64_t hash = UINT64_C(14695981039346656037);
+    for (size_t i = 0; i < sizeof bench->rgb; i++)
+        hash = (hash ^ bytes[i]) * UINT64_C(1099511628211);
+    return hash;
+}
+
+// Drawn from the kept picture in frames that tell the same, and painted anew where another revision is told.
+static void accuracy_is_kept_until_it_changes(void **state) {
+    Bench *bench = *state;
+    RenderPacket packet = packet_make(0.05, 0.0);
+    draw(bench, &packet);
+    uint64_t without = hash_of(bench);
+    tell_accuracy(&packet, 1, 1.0);
+    draw(bench, &packet);
+    uint64_t first = hash_of(bench);
+    draw(bench, &packet);
+    assert_true(hash_of(bench) == first && first != without);
+    tell_accuracy(&packet, 1, 4.0); // the same revision: nobody looks
+    draw(bench, &packet);
+    assert_true(hash_of(bench) == first);
+    tell_accuracy(&packet, 2, 4.0);
+    draw(bench, &packet);
+    assert_true(hash_of(bench) != first);
+    tell_accuracy(&packet, 3, 1.0);
+    draw(bench, &packet);
+    assert_true(hash_of(bench) == first);
+    packet.hud.accuracy.show = false;
+    draw(bench, &packet);
+    assert_true(hash_of(bench) == without);
 }
 
 // Odd state of the caller changes nothing of the picture.
@@ -252,6 +292,7 @@ int main(void) {
         cmocka_unit_test(drawn_horizon_is_within_half_a_pixel),
         cmocka_unit_test(marker_is_drawn_where_the_flight_path_points),
         cmocka_unit_test(bank_pointer_stands_at_the_bank_angle),
+        cmocka_unit_test(accuracy_is_kept_until_it_changes),
         cmocka_unit_test(state_of_gl_is_as_before),
         cmocka_unit_test(picture_does_not_depend_on_the_state_before),
     };

@@ -2,6 +2,7 @@
 // one is condemned.
 #include "base/log.h"
 #include "terrain/grid.h"
+#include "terrain/lod/cut_copy.h"
 #include "terrain/measure/measure.h"
 
 #include <inttypes.h>
@@ -306,6 +307,62 @@ static void test_any_number_of_workers_gives_the_same_bytes(void **state) {
     fixture_destroy(f);
 }
 
+typedef struct Steps {
+    int left; // until it ends
+    int asked;
+} Steps;
+
+static bool step_on(void *user) {
+    Steps *steps = user;
+    steps->asked++;
+    return steps->left-- > 0;
+}
+
+// Wherever it is told to end, it ends and has measured nothing; else the pauses change nothing.
+static void test_measuring_ends_when_it_is_told_to(void **state) {
+    (void)state;
+    Jobs *one = NULL;
+    Fixture *f = fixture_random_cut(SEED, 40);
+    Measure whole = measured(f), untouched;
+    memset(&untouched, 7, sizeof untouched);
+    assert_int_equal(jobs_create(1, &one), RESULT_OK);
+    int ended = 0;
+    for (int left = 0;; left++) {
+        Steps steps = {.left = left};
+        const MeasurePace pace = {step_on, &steps};
+        Measure m = untouched;
+        Result result = measure_cut_paced(&f->dem, f->grid, &f->cut, one, &pace, &m);
+        if (result == RESULT_OK) {
+            assert_memory_equal(&m, &whole, sizeof m);
+            break;
+        }
+        assert_int_equal(result, RESULT_BUDGET);
+        assert_memory_equal(&m, &untouched, sizeof m);
+        ended++;
+    }
+    print_message("ended in %d places\n", ended);
+    assert_true(ended > 10);
+    jobs_destroy(&one);
+    fixture_destroy(f);
+}
+
+static void test_a_copy_of_a_cut_measures_the_same_without_it(void **state) {
+    (void)state;
+    Fixture *f = fixture_random_cut(SEED, 40);
+    Measure whole = measured(f);
+    CutCopy copy = {0};
+    for (int i = 0; i < 2; i++) // the second time in the memory of the first
+        assert_int_equal(cut_copy_take(&copy, &f->cut), RESULT_OK);
+    memset(f->vertices, 0, sizeof f->vertices);
+    memset(f->indices, 0, sizeof f->indices);
+    memset(f->pages, 0, sizeof f->pages);
+    Measure m;
+    assert_int_equal(measure_cut_of(&f->dem, f->grid, &copy.cut, f->jobs, &m), RESULT_OK);
+    assert_memory_equal(&m, &whole, sizeof m);
+    cut_copy_free(&copy);
+    fixture_destroy(f);
+}
+
 // ---- spoilt cuts ----
 
 // A page's first triangle whose sides are not on the DEM's border.
@@ -519,6 +576,8 @@ int main(void) {
         cmocka_unit_test(test_all_samples_drawn_leave_only_the_lattice),
         cmocka_unit_test(test_random_bisections_are_whole),
         cmocka_unit_test(test_any_number_of_workers_gives_the_same_bytes),
+        cmocka_unit_test(test_measuring_ends_when_it_is_told_to),
+        cmocka_unit_test(test_a_copy_of_a_cut_measures_the_same_without_it),
         cmocka_unit_test(test_a_moved_vertex_is_above_the_tolerance),
         cmocka_unit_test(test_a_vertex_at_two_positions_is_a_hole),
         cmocka_unit_test(test_a_missing_triangle_is_a_hole),

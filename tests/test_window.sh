@@ -194,6 +194,38 @@ expect paused '==' true
 expect help '==' true
 expect bank_deg '<' 1
 
+take_off "accuracy" --size 640x400
+press F2
+sleep 2
+press t t t
+sleep 2.5
+land
+expect accuracy_panel '==' true
+expect state '==' measured
+expect max_px '<=' "$(value promised_px)"
+expect cracks '==' 0
+expect age_s '>=' 0
+panel_has() { # TAU FLOWN: a point within a tenth
+    python3 - "$work/report" "$@" <<'EOF'
+import json, sys
+panel, tau, flown = json.load(open(sys.argv[1]))["accuracy"], float(sys.argv[2]), sys.argv[3] == "flown"
+sys.exit(not any(abs(point["tau_px"] / tau - 1) < 0.1 and point["flown"] == flown for point in panel["curve"]) or
+         abs(panel["tau_px"] - 0.5) > 0.01)
+EOF
+}
+for point in "1 flown" "0.5 flown" "8 sampled"; do
+    # shellcheck disable=SC2086 # two words
+    panel_has $point && echo "$flight: $point px, as expected" && continue
+    echo "$flight: expected a point $point px, and the present one at 0.5 px"
+    faults=$((faults + 1))
+done
+
+take_off "accuracy, coarser, closed" --size 640x400 --accuracy
+press T T T F2
+land
+expect accuracy_panel '==' false
+expect tau_px '>' 1.99
+
 take_off "resized" --size 640x400
 press p h
 expect_resized 900 600

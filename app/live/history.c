@@ -53,7 +53,7 @@ static int count_recent(const History *history, int64_t now_ns) {
     int64_t since_ns = now_ns - (int64_t)(HISTORY_S * 1e9);
     const PipelineFrame *frame;
     int count = 0;
-    while ((frame = frame_before(history, count)) && frame->end_ns >= since_ns)
+    while ((frame = frame_before(history, count)) && frame->end_ns > since_ns)
         count++;
     return count;
 }

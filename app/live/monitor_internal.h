@@ -38,6 +38,7 @@ typedef struct Watch {
     CutCopy copy;
     Sampler *sampler;
     int next_sample;
+    bool pages_made[CURVE_SAMPLES];
     bool sampler_refused; // for sampler_refused_method, since the panel was opened
     LodMethod sampler_refused_method;
 } Watch;

@@ -10,6 +10,7 @@
 #include <time.h>
 
 #define PIECE_NS 1000000       // of work between two rests
+#define HURRY_NS 60000000      // of work when the panel opens: somebody waits for its first numbers
 #define HOLD_WAIT_NS 200000000 // for a frame, before looking whether the panel was closed
 #define TURN_REST_NS 100000000 // at least, between two turns
 #define SAMPLE_MS_MOST 25.0    // finer tolerances than one that takes longer are not sampled
@@ -77,8 +78,10 @@ static void measure_drawn(Watch *watch) {
     pipeline_let_go(watch->options.pipeline);
     if (state == RENDER_ACCURACY_NOTHING) {
         const MeasurePace pace = {go_on, watch};
+        const Terrain *terrain = watch->options.terrain;
         if (result == RESULT_OK)
-            result = measure_cut_paced(watch->options.terrain, &watch->copy.cut, watch->one, &pace, &measure);
+            result = measure_cut_paced(terrain_dem(terrain), terrain_grid(terrain), &watch->copy.cut, watch->one, &pace,
+                                       &measure);
         state = result == RESULT_OK ? RENDER_ACCURACY_MEASURED : RENDER_ACCURACY_FAILED;
     }
     if (result != RESULT_BUDGET)
@@ -104,6 +107,7 @@ static bool has_sampler(Watch *watch, LodMethod method) {
     if (watch->sampler || method == LOD_BRUTE || is_refused(watch, method))
         return watch->sampler;
     watch->next_sample = CURVE_SAMPLES - 1;
+    memset(watch->pages_made, 0, sizeof watch->pages_made);
     if (sampler_create(&watch->options.lod, method, watch->options.terrain, &watch->sampler) != RESULT_OK)
         refuse(watch, method);
     watch->pace.rested_at_ns = pace_thread_ns(); // once a method, and not to be waited for a hundred times over
@@ -134,6 +138,10 @@ static bool sample_next(Watch *watch) {
     CurveSample sample = {0};
     int index = watch->next_sample;
     Result result = sampler_take(watch->sampler, &view, curve_sample_tau(index), watch->one, &sample);
+    // The first one has made its pages besides, as no frame does that follows another.
+    if (result == RESULT_OK && !watch->pages_made[index])
+        result = sampler_take(watch->sampler, &view, curve_sample_tau(index), watch->one, &sample);
+    watch->pages_made[index] = true;
     if (result != RESULT_OK && result != RESULT_BUDGET) {
         refuse(watch, method);
         return false;
@@ -161,10 +169,12 @@ static void forget(Watch *watch) {
     sampler_destroy(&watch->sampler);
     cut_copy_free(&watch->copy);
     watch->sampler_refused = false;
+    watch->pace.hurry_ns = HURRY_NS;
 }
 
 void watch_run(Watch *watch) {
     watch->pace = pace_begin(MONITOR_SHARE);
+    watch->pace.hurry_ns = HURRY_NS;
     pthread_mutex_lock(&watch->lock);
     while (!watch->leaving) {
         bool open = watch->open;

@@ -27,7 +27,8 @@ static void lower_priority(void) {
 Pace pace_begin(double share) {
     long processors = sysconf(_SC_NPROCESSORS_ONLN);
     lower_priority();
-    return (Pace){fmin(share * (double)(processors > 0 ? processors : 1), SHARE_MOST), pace_thread_ns()};
+    return (Pace){.share = fmin(share * (double)(processors > 0 ? processors : 1), SHARE_MOST),
+                  .rested_at_ns = pace_thread_ns()};
 }
 
 int64_t pace_worked_ns(const Pace *pace) {
@@ -36,6 +37,8 @@ int64_t pace_worked_ns(const Pace *pace) {
 
 int64_t pace_rest_ns(Pace *pace) {
     int64_t worked_ns = pace_worked_ns(pace);
+    double share = pace->hurry_ns > 0 ? fmin(PACE_HURRY * pace->share, SHARE_MOST) : pace->share;
     pace->rested_at_ns += worked_ns;
-    return (int64_t)((double)worked_ns * (1.0 / pace->share - 1.0));
+    pace->hurry_ns -= worked_ns < pace->hurry_ns ? worked_ns : pace->hurry_ns;
+    return (int64_t)((double)worked_ns * (1.0 / share - 1.0));
 }

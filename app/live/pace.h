@@ -4,8 +4,11 @@
 #pragma once
 #include "base/base.h"
 
+#define PACE_HURRY 4
+
 typedef struct Pace {
     double share;         // of one processor's time, 0..1
+    int64_t hurry_ns;     // of work, that is left to do in PACE_HURRY times the share
     int64_t rested_at_ns; // the thread's own time when it rested last
 } Pace;
 

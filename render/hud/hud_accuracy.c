@@ -8,7 +8,8 @@
 #define TAU "\xCF\x84"
 #define LEAST_PX 0.25 // the axis of tolerances, which grows where it must
 #define MOST_PX 16.0
-#define OCTAVES_MOST 18
+#define OCTAVE_LEAST (-10.0) // and no further
+#define OCTAVE_MOST 16.0
 #define ROWS_FULL 24.0f  // from so many on nothing is left out
 #define ROWS_STACK 14.0f // below: no stages
 #define ROWS_CHART 9.0f  // below: no curve
@@ -102,8 +103,8 @@ static void add_details(Board *board, const RenderAccuracyError *error) {
     double above = measured ? 100.0 * error->above_tau_share : (double)NAN;
     double cracks = measured ? (double)error->cracks : (double)NAN;
     add_number(board, "99.9 % within", measured ? error->p999_px : (double)NAN, 2, "px", HUD_INK);
-    add_number(board, "samples above " TAU, above, 3, "%", above > 0.0 ? HUD_WARN : HUD_INK);
-    add_number(board, "cracks", cracks, 0, "", cracks > 0.0 ? HUD_WARN : HUD_INK);
+    add_number(board, "samples above " TAU, above, 3, "%", measured && above > 0.0 ? HUD_WARN : HUD_INK);
+    add_number(board, "cracks", cracks, 0, "", measured && cracks > 0.0 ? HUD_WARN : HUD_INK);
 }
 
 static void add_error(Board *board) {
@@ -124,7 +125,8 @@ typedef struct Chart {
 } Chart;
 
 static double octave_within(double tau_px, double otherwise) {
-    return isfinite(tau_px) && tau_px > 0.0 ? log2(tau_px) : log2(otherwise);
+    double octave = isfinite(tau_px) && tau_px > 0.0 ? log2(tau_px) : log2(otherwise);
+    return fmin(fmax(octave, OCTAVE_LEAST), OCTAVE_MOST);
 }
 
 static Chart chart_of(const Board *board, CanvasRect area) {
@@ -169,17 +171,18 @@ static void name_tau(int octave, char out[HUD_NUMBER_BYTES]) {
 }
 
 static void paint_tau_axis(const Board *board, const Chart *chart) {
-    int octaves = (int)(chart->log_most - chart->log_least), step = octaves > 7 ? 2 : 1;
+    int octaves = (int)(chart->log_most - chart->log_least), step = octaves > 9 ? 3 : octaves > 7 ? 2 : 1;
     float size = board->painter->layout.small_px;
     float y = hud_baseline(board->painter, chart->area.y1 + row_px(board) * 0.55f, size);
-    for (int i = 0; i <= octaves && i <= OCTAVES_MOST; i++) {
+    for (int i = 0; i <= octaves; i++) {
         char label[HUD_NUMBER_BYTES];
         int octave = (int)chart->log_least + i;
         float x = chart_x(chart, exp2(octave));
         paint_thin(board, x, chart->area.y0, x, chart->area.y1, hud_faded(HUD_INK, 0.12));
         name_tau(octave, label);
+        float most = inner_x1(board) - 0.5f * text_width_px(board->painter->text, label, size);
         if (i % step == 0)
-            hud_text(board->painter, (CanvasPoint){x, y}, size, CANVAS_CENTRE, HUD_DIM, label);
+            hud_text(board->painter, (CanvasPoint){fminf(x, most), y}, size, CANVAS_CENTRE, HUD_DIM, label);
     }
 }
 
@@ -260,7 +263,7 @@ static void paint_present(const Board *board, const Chart *chart) {
 
 static void paint_target(const Board *board, const Chart *chart) {
     double target_ms = board->told->target_ms;
-    if (!(target_ms > 0.0) || target_ms > chart->axis_ms)
+    if (!isfinite(target_ms) || target_ms <= 0.0 || target_ms > chart->axis_ms)
         return;
     float y = chart_y(chart, target_ms), dash = 5.0f * board->painter->layout.unit;
     for (float x = chart->area.x0; x + dash <= chart->area.x1; x += 2.0f * dash)
@@ -284,12 +287,13 @@ static void add_key(Board *board) {
 
 static void add_chart(Board *board, float height_px) {
     float size = board->painter->layout.small_px, bottom = board->y + height_px;
-    add_row(board, "frame time over " TAU, "", "", HUD_INK);
+    add_text(board, inner_x0(board), CANVAS_LEFT, HUD_DIM, "frame time over " TAU);
     add_text(board, inner_x1(board), CANVAS_RIGHT, HUD_DIM, "ms, px");
+    board->y += row_px(board);
     if (board->full)
         bottom -= row_px(board); // of the key
-    CanvasRect area = {inner_x0(board) + 2.6f * size, board->y - row_px(board) + 1.5f * row_px(board),
-                       inner_x1(board) - 0.6f * size, bottom - 1.1f * row_px(board)};
+    CanvasRect area = {inner_x0(board) + 2.6f * size, board->y + 0.5f * row_px(board), inner_x1(board) - 0.6f * size,
+                       bottom - 1.1f * row_px(board)};
     area = (CanvasRect){roundf(area.x0), roundf(area.y0), roundf(area.x1), roundf(area.y1)};
     const Chart chart = chart_of(board, area);
     paint_tau_axis(board, &chart);
@@ -362,7 +366,7 @@ static void add_stages(Board *board) {
 static void add_percentiles(Board *board) {
     char name[HUD_NUMBER_BYTES + 16], p50[HUD_NUMBER_BYTES], p99[HUD_NUMBER_BYTES], both[2 * HUD_NUMBER_BYTES + 4];
     const RenderAccuracy *told = board->told;
-    int decimals = told->p99_ms < 100.0 ? 1 : 0;
+    int decimals = isfinite(told->p99_ms) && told->p99_ms < 100.0 ? 1 : 0;
     hud_format_fixed(p50, told->p50_ms, decimals);
     hud_format_fixed(p99, told->p99_ms, decimals);
     snprintf(name, sizeof name, "p50, p99 of %.0f s", isfinite(told->seconds) ? fmin(told->seconds, 999.0) : 0.0);

@@ -23,7 +23,10 @@ void hud_paint_row(const HudPainter *painter, CanvasRect box, float top, const H
     float size = layout->small_px, y = hud_baseline(painter, top + layout->row_px * 0.5f, size);
     float inset = 10.0f * layout->unit, unit_x = box.x1 - inset - size * 1.9f;
     hud_text(painter, (CanvasPoint){box.x0 + inset, y}, size, CANVAS_LEFT, HUD_DIM, row->name);
-    hud_text(painter, (CanvasPoint){unit_x - size * 0.3f, y}, size, CANVAS_RIGHT, row->colour, row->value);
+    float room = unit_x - size * 0.8f - box.x0 - inset - text_width_px(painter->text, row->name, size);
+    room = fmaxf(room, size);
+    hud_text(painter, (CanvasPoint){unit_x - size * 0.3f, y}, hud_fitting_size(painter, row->value, size, room),
+             CANVAS_RIGHT, row->colour, row->value);
     hud_text(painter, (CanvasPoint){unit_x, y}, size, CANVAS_LEFT, HUD_DIM, row->unit);
 }
 

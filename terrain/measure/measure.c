@@ -255,9 +255,7 @@ static Result measure(MeasureRun *run, Jobs *jobs, const MeasureMaps *maps, Meas
 }
 
 Result measure_cut_of(const Dem *dem, const Grid *grid, const LodCut *cut, Jobs *jobs, Measure *out) {
-    MeasureRun run = {.dem = dem, .grid = grid, .cut = cut};
-    const MeasureMaps none = {0};
-    return measure(&run, jobs, &none, out);
+    return measure_cut_paced(dem, grid, cut, jobs, NULL, out);
 }
 
 Result measure_cut(const Terrain *terrain, const LodCut *cut, Jobs *jobs, Measure *out) {
@@ -269,8 +267,9 @@ Result measure_cut_maps(const Terrain *terrain, const LodCut *cut, Jobs *jobs, c
     return measure(&run, jobs, maps, out);
 }
 
-Result measure_cut_paced(const Terrain *terrain, const LodCut *cut, Jobs *jobs, const MeasurePace *pace, Measure *out) {
-    MeasureRun run = {.dem = terrain_dem(terrain), .grid = terrain_grid(terrain), .cut = cut, .pace = pace};
+Result measure_cut_paced(const Dem *dem, const Grid *grid, const LodCut *cut, Jobs *jobs, const MeasurePace *pace,
+                         Measure *out) {
+    MeasureRun run = {.dem = dem, .grid = grid, .cut = cut, .pace = pace};
     const MeasureMaps none = {0};
     return measure(&run, jobs, &none, out);
 }

@@ -54,6 +54,6 @@ typedef struct MeasurePace {
     bool (*go_on)(void *user);
     void *user;
 } MeasurePace;
-// As measure_cut. BUDGET: `go_on` ended it, and nothing is measured.
-MUST_USE Result measure_cut_paced(const Terrain *terrain, const LodCut *cut, Jobs *jobs, const MeasurePace *pace,
-                                  Measure *out);
+// As measure_cut_of. BUDGET: `go_on` ended it, and nothing is measured.
+MUST_USE Result measure_cut_paced(const Dem *dem, const Grid *grid, const LodCut *cut, Jobs *jobs,
+                                  const MeasurePace *pace, Measure *out);
