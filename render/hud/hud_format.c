@@ -36,11 +36,11 @@ static bool rounds_to_zero(double value, int decimals) {
 }
 
 void hud_format_fixed(char out[HUD_NUMBER_BYTES], double value, int decimals) {
-    const char *sign = value < 0.0 && !rounds_to_zero(value, decimals) ? MINUS : "";
     if (!is_sayable(value)) {
         snprintf(out, HUD_NUMBER_BYTES, "---");
         return;
     }
+    const char *sign = value < 0.0 && !rounds_to_zero(value, decimals) ? MINUS : "";
     int at = snprintf(out, HUD_NUMBER_BYTES, "%s", sign);
     format_magnitude(out + at, HUD_NUMBER_BYTES - (size_t)at, fabs(value), decimals);
 }
