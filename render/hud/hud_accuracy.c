@@ -341,11 +341,17 @@ static void mean_of(const RenderAccuracyFrame *frames, int count, float out[STAG
     }
 }
 
+// Nearly all frames fit below it.
+static float stack_axis_ms(const RenderAccuracy *told) {
+    bool known = isfinite(told->p99_ms) && told->p99_ms > 0.0;
+    return known ? 1.15f * (float)told->p99_ms : 1.0f;
+}
+
 // The latest frames, the last ones at the right edge.
 static void paint_stack(const Board *board, CanvasRect area) {
     const RenderAccuracy *told = board->told;
     float step = (area.x1 - area.x0) / (RENDER_ACCURACY_FRAMES / FRAMES_A_COLUMN);
-    float axis_ms = isfinite(told->axis_ms) && told->axis_ms > 0.0 ? (float)told->axis_ms : 1.0f, x = area.x1;
+    float axis_ms = stack_axis_ms(told), x = area.x1;
     for (int end = told->frame_count; end >= FRAMES_A_COLUMN; end -= FRAMES_A_COLUMN, x -= step) {
         float stages[STAGES];
         mean_of(&told->frames[end - FRAMES_A_COLUMN], FRAMES_A_COLUMN, stages);
