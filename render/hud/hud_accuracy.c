@@ -10,9 +10,10 @@
 #define MOST_PX 16.0
 #define OCTAVE_LEAST (-10.0) // and no further
 #define OCTAVE_MOST 16.0
-#define ROWS_FULL 24.0f  // from so many on nothing is left out
-#define ROWS_STACK 14.0f // below: no stages
-#define ROWS_CHART 9.0f  // below: no curve
+#define ROWS_FULL 24.0f   // from so many on nothing is left out
+#define ROWS_STACK 14.0f  // below: no stages
+#define ROWS_CHART 9.0f   // below: no curve
+#define FRAMES_A_COLUMN 2 // of the stages
 
 // The stages, in the order in which a frame passes them.
 enum { STAGES = 4 };
@@ -309,15 +310,18 @@ static void add_chart(Board *board, float height_px) {
 
 // ---- where the time goes ----
 
+static float stage_ms(float ms) {
+    return isfinite(ms) ? fmaxf(ms, 0.0f) : 0.0f;
+}
+
 static void stages_of(const RenderAccuracyFrame *frame, float out[STAGES]) {
     const float stages[STAGES] = {frame->select_ms, frame->refine_ms, frame->upload_ms, frame->draw_ms};
     for (int i = 0; i < STAGES; i++)
-        out[i] = isfinite(stages[i]) ? fmaxf(stages[i], 0.0f) : 0.0f;
+        out[i] = stage_ms(stages[i]);
 }
 
-static void paint_column(const Board *board, const RenderAccuracyFrame *frame, CanvasRect column, float px_per_ms) {
-    float stages[STAGES], y = column.y1;
-    stages_of(frame, stages);
+static void paint_column(const Board *board, const float stages[STAGES], CanvasRect column, float px_per_ms) {
+    float y = column.y1;
     for (int i = 0; i < STAGES && y > column.y0; i++) {
         float top = fmaxf(y - stages[i] * px_per_ms, column.y0);
         if (y - top > 0.05f)
@@ -326,15 +330,32 @@ static void paint_column(const Board *board, const RenderAccuracyFrame *frame, C
     }
 }
 
-// The latest frames, the last one at the right edge.
+// The mean of a column's frames.
+static void mean_of(const RenderAccuracyFrame *frames, int count, float out[STAGES]) {
+    memset(out, 0, sizeof *out * STAGES);
+    for (int i = 0; i < count; i++) {
+        float stages[STAGES];
+        stages_of(&frames[i], stages);
+        for (int k = 0; k < STAGES; k++)
+            out[k] += stages[k] / (float)count;
+    }
+}
+
+// Nearly all frames fit below it.
+static float stack_axis_ms(const RenderAccuracy *told) {
+    bool known = isfinite(told->p99_ms) && told->p99_ms > 0.0;
+    return known ? 1.15f * (float)told->p99_ms : 1.0f;
+}
+
+// The latest frames, the last ones at the right edge.
 static void paint_stack(const Board *board, CanvasRect area) {
     const RenderAccuracy *told = board->told;
-    float step = (area.x1 - area.x0) / RENDER_ACCURACY_FRAMES;
-    float axis_ms = told->axis_ms > 0.0 && isfinite(told->axis_ms) ? (float)told->axis_ms : 1.0f;
-    for (int i = 0; i < told->frame_count; i++) {
-        float x = area.x1 - step * (float)(told->frame_count - i);
-        paint_column(board, &told->frames[i], (CanvasRect){x, area.y0, x + step, area.y1},
-                     (area.y1 - area.y0) / axis_ms);
+    float step = (area.x1 - area.x0) / (RENDER_ACCURACY_FRAMES / FRAMES_A_COLUMN);
+    float axis_ms = stack_axis_ms(told), x = area.x1;
+    for (int end = told->frame_count; end >= FRAMES_A_COLUMN; end -= FRAMES_A_COLUMN, x -= step) {
+        float stages[STAGES];
+        mean_of(&told->frames[end - FRAMES_A_COLUMN], FRAMES_A_COLUMN, stages);
+        paint_column(board, stages, (CanvasRect){x - step, area.y0, x, area.y1}, (area.y1 - area.y0) / axis_ms);
     }
     paint_thin(board, area.x0, area.y1, area.x1, area.y1, hud_faded(HUD_INK, 0.5));
 }
