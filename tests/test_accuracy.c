@@ -1,6 +1,7 @@
 // The accuracy benchmark from inside: good cuts are found good, spoilt ones are condemned by the report, and its
 // figures are those of the frames.
 #define _GNU_SOURCE // mkdtemp, open_memstream
+#include "app/accuracy/accuracy_hitches.h"
 #include "app/accuracy/accuracy_html.h"
 #include "app/accuracy/accuracy_plots.h"
 #include "app/accuracy/accuracy_report.h"
@@ -337,6 +338,30 @@ static void test_costs_between_tolerances_lie_between_them(void **state) {
     assert_true(isnan(accuracy_cost_at(&b->accuracy, 0, 0, 2.0 * coarse->max_px).triangles));
 }
 
+// Frames made slow by hand: each is told with the stage that made it so.
+static void test_hitches_are_told_with_their_cause(void **state) {
+    Bench *b = *state;
+    AccuracyRun *run = accuracy_run_at(&b->accuracy, 0, 1, 1);
+    AccuracyHitch hitches[ACCURACY_HITCHES_MAX];
+    int before, found;
+    (void)accuracy_hitches(&b->accuracy, 0, hitches, &before);
+    const AccuracyFrame kept[] = {run->frames[1], run->frames[2], run->frames[3]};
+    double p50 = run->summary.frame_ms.p50;
+    for (int i = 1; i <= 3; i++) {
+        AccuracyTimes *t = &run->frames[i].median;
+        *(i == 1 ? &t->refine_ms : i == 2 ? &t->upload_ms : &t->draw_ms) += 100.0 * i * p50;
+        t->frame_ms = 100.0 * i * p50;
+    }
+    int count = accuracy_hitches(&b->accuracy, 0, hitches, &found);
+    assert_true(found >= 3 && found <= before + 3 && count >= 3);
+    assert_int_equal(hitches[0].pose, 3);
+    assert_non_null(strstr(hitches[0].cause, "drawing: "));
+    assert_non_null(strstr(hitches[1].cause, "upload: "));
+    assert_non_null(strstr(hitches[2].cause, "refinement: "));
+    for (int i = 0; i < 3; i++)
+        run->frames[1 + i] = kept[i];
+}
+
 static int set_up(void **state) {
     Bench *b = bench_begin();
     bench_run(b);
@@ -358,6 +383,7 @@ int main(void) {
         cmocka_unit_test(test_what_is_tolerated_is_not_condemned),
         cmocka_unit_test(test_summaries_are_those_of_the_frames),
         cmocka_unit_test(test_costs_between_tolerances_lie_between_them),
+        cmocka_unit_test(test_hitches_are_told_with_their_cause),
     };
     return cmocka_run_group_tests_name("test_accuracy", tests, set_up, tear_down);
 }

@@ -1,6 +1,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "app/accuracy/accuracy_html.h"
 
+#include "app/accuracy/accuracy_hitches.h"
 #include "app/accuracy/accuracy_plots.h"
 #include "app/accuracy/html.h"
 #include "app/bench/bench.h"
@@ -243,6 +244,36 @@ static void put_kinds(const Page *page, int dem) {
     html_end_table(page->to);
 }
 
+static void put_hitch_row(const Page *page, const AccuracyHitch *hitch) {
+    const AccuracyDem *dem = &page->accuracy->dems[hitch->run->dem];
+    const AccuracyPose *pose = &dem->poses[hitch->pose];
+    html_begin_row(page->to);
+    html_cell_text(page->accuracy->plan.variants[hitch->run->variant].name, "", page->to);
+    html_cell_number(hitch->run->tau_px, 2, page->to);
+    html_cell_text(dem->tracks[pose->flight].name, "", page->to);
+    html_cell_number(pose->number, 0, page->to);
+    html_cell_number(hitch->run->frames[hitch->pose].median.frame_ms, 2, page->to);
+    html_cell_number(hitch->times, 2, page->to);
+    html_cell_text(hitch->cause, "", page->to);
+    html_end_row(page->to);
+}
+
+static void put_hitches(const Page *page, int dem) {
+    static const char *const titles[] = {"<method", "tau px", "<flight", "frame", "ms", "times p50", "<cause"};
+    AccuracyHitch hitches[ACCURACY_HITCHES_MAX];
+    int found, count = accuracy_hitches(page->accuracy, dem, hitches, &found);
+    fputs("<h3>Hitches</h3>\n<p class=\"dim\">", page->to);
+    html_format(page->to, "Frames that took more than %g times their run's p50, in the median of the rounds: %d.",
+                ACCURACY_HITCH_TIMES, found);
+    fputs("</p>\n", page->to);
+    if (count == 0)
+        return;
+    html_begin_table(titles, COUNT_OF(titles), page->to);
+    for (int i = 0; i < count; i++)
+        put_hitch_row(page, &hitches[i]);
+    html_end_table(page->to);
+}
+
 // ---- the DEMs ----
 
 // The cheapest of those that promise, and of all, at a measured error of the tolerance shown.
@@ -307,6 +338,7 @@ static Result put_dem(const Page *page, int dem) {
           "it.</p>\n",
           to);
     put_kinds(page, dem);
+    put_hitches(page, dem);
     return result;
 }
 

@@ -1,3 +1,4 @@
+#include "app/accuracy/accuracy_hitches.h"
 #include "app/accuracy/accuracy_report.h"
 #include "app/bench/bench.h"
 #include "app/version.h"
@@ -91,7 +92,26 @@ static void add_flights(Json *json, const Accuracy *accuracy, const AccuracyDem 
     }
 }
 
-static void add_dem(Json *dems, const Accuracy *accuracy, const AccuracyDem *dem) {
+static void add_hitches(Json *json, const Accuracy *accuracy, int dem) {
+    AccuracyHitch hitches[ACCURACY_HITCHES_MAX];
+    int found, count = accuracy_hitches(accuracy, dem, hitches, &found);
+    json_add_integer(json, "hitch_count", found);
+    Json *rows = json_add_array(json, "hitches");
+    for (int i = 0; i < count; i++) {
+        const AccuracyHitch *hitch = &hitches[i];
+        const AccuracyPose *pose = &accuracy->dems[dem].poses[hitch->pose];
+        Json *row = json_append_object(rows);
+        json_add_text(row, "variant", accuracy->plan.variants[hitch->run->variant].name);
+        json_add_number(row, "tau_px", hitch->run->tau_px);
+        json_add_text(row, "flight", accuracy->dems[dem].tracks[pose->flight].name);
+        json_add_integer(row, "frame", pose->number);
+        json_add_number(row, "times_p50", hitch->times);
+        json_add_text(row, "cause", hitch->cause);
+    }
+}
+
+static void add_dem(Json *dems, const Accuracy *accuracy, int index) {
+    const AccuracyDem *dem = &accuracy->dems[index];
     Json *json = json_append_object(dems);
     json_add_text(json, "name", dem->name);
     json_add_integer(json, "width", dem->width);
@@ -101,6 +121,7 @@ static void add_dem(Json *dems, const Accuracy *accuracy, const AccuracyDem *dem
     add_hash(json, "hash", dem->hash);
     json_add_integer(json, "frames", dem->pose_count);
     add_flights(json, accuracy, dem);
+    add_hitches(json, accuracy, index);
     Json *kinds = json_add_array(json, "preprocessing");
     for (int i = 0; i < accuracy->plan.kind_count; i++) {
         Json *kind = json_append_object(kinds);
@@ -164,7 +185,7 @@ Json *accuracy_make_json(const Accuracy *accuracy) {
     add_setting(json, accuracy);
     Json *dems = json_add_array(json, "dems");
     for (int dem = 0; dem < accuracy->plan.dem_count; dem++)
-        add_dem(dems, accuracy, &accuracy->dems[dem]);
+        add_dem(dems, accuracy, dem);
     Json *runs = json_add_array(json, "runs");
     for (int i = 0; i < accuracy->run_count; i++)
         add_run(runs, accuracy, &accuracy->runs[i]);
