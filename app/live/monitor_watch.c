@@ -84,8 +84,10 @@ static void measure_drawn(Watch *watch) {
                                        &measure);
         state = result == RESULT_OK ? RENDER_ACCURACY_MEASURED : RENDER_ACCURACY_FAILED;
     }
-    if (result != RESULT_BUDGET)
-        tell_error(watch, &held, state, &measure);
+    if (result == RESULT_BUDGET)
+        return;
+    tell_error(watch, &held, state, &measure);
+    log_debug("accuracy: a cut of %s is measured: %.3f px at most", lod_method_name(held.method), measure.max_px);
 }
 
 // ---- other tolerances ----
@@ -149,6 +151,8 @@ static bool sample_next(Watch *watch) {
     tell_sample(watch, index, &sample, method, split);
     bool slow = result == RESULT_BUDGET || sample.refine_ms > SAMPLE_MS_MOST;
     watch->next_sample = index == 0 || slow ? CURVE_SAMPLES - 1 : index - 1;
+    if (watch->next_sample > index || index == 0)
+        log_debug("accuracy: other tolerances are sampled, down to %.2f px", curve_sample_tau(index));
     return rest(watch);
 }
 
