@@ -9,11 +9,12 @@
 #include <string.h>
 #include <time.h>
 
-#define PIECE_NS 1000000       // of work between two rests
-#define HURRY_NS 60000000      // of work when the panel opens: somebody waits for its first numbers
-#define HOLD_WAIT_NS 200000000 // for a frame, before looking whether the panel was closed
-#define TURN_REST_NS 100000000 // at least, between two turns
-#define SAMPLE_MS_MOST 25.0    // finer tolerances than one that takes longer are not sampled
+#define PIECE_NS 1000000           // of work between two rests
+#define HURRY_NS 60000000          // of work when the panel opens: somebody waits for its first numbers
+#define HOLD_WAIT_NS 200000000     // for a frame, before looking whether the panel was closed
+#define FAILED_REST_NS 10000000000 // memory may have come back
+#define TURN_REST_NS 100000000     // at least, between two turns
+#define SAMPLE_MS_MOST 25.0        // finer tolerances than one that takes longer are not sampled
 
 static bool is_wanted(const Watch *watch) {
     return watch->open && !watch->leaving;
@@ -87,7 +88,10 @@ static void measure_drawn(Watch *watch) {
     if (result == RESULT_BUDGET)
         return;
     tell_error(watch, &held, state, &measure);
-    log_debug("accuracy: a cut of %s is measured: %.3f px at most", lod_method_name(held.method), measure.max_px);
+    if (state == RENDER_ACCURACY_MEASURED)
+        log_debug("accuracy: a cut of %s is measured: %.3f px at most", lod_method_name(held.method), measure.max_px);
+    else if (state == RENDER_ACCURACY_FAILED)
+        rest_for(watch, FAILED_REST_NS);
 }
 
 // ---- other tolerances ----
