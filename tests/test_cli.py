@@ -337,9 +337,12 @@ def two_methods_are_reported_side_by_side(cli):
 
 def the_panel_of_accuracy_tells_what_it_measured(cli):
     for more in ([], ["--lockstep"], ["--compare", "geomipmap"]):
-        report = cli.json("fly", "--size", "640x400", "--no-window", "--demo", "--accuracy", "--frames", "120", *more)
-        panel = report["accuracy"]
-        measured = panel["measured"]
+        for frames in ("120", "800"):  # a busy machine has little time for what runs at the lowest priority
+            report = cli.json("fly", "--size", "640x400", "--no-window", "--demo", "--accuracy", "--frames", frames, *more)
+            panel = report["accuracy"]
+            measured = panel["measured"]
+            if measured["state"] != "not yet":
+                break
         expect("state", measured["state"], "measured")
         if not 0.0 < measured["p999_px"] <= measured["max_px"] <= measured["promised_px"] == 1.0:
             raise Fault(f"{more}: expected errors up to the promised 1 px, found {measured}")

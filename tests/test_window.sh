@@ -194,9 +194,10 @@ expect paused '==' true
 expect help '==' true
 expect bank_deg '<' 1
 
-take_off "accuracy" --size 640x400
+take_off "accuracy" --size 640x400 -v
 press F2
-sleep 2
+wait_for 60 has_said "accuracy: a cut of hybrid is measured" || give_up "F2 measured nothing"
+wait_for 60 has_said "accuracy: other tolerances are sampled" || give_up "F2 sampled nothing"
 press t t t
 sleep 2.5
 land

@@ -9,11 +9,12 @@
 #include <string.h>
 #include <time.h>
 
-#define PIECE_NS 1000000       // of work between two rests
-#define HURRY_NS 60000000      // of work when the panel opens: somebody waits for its first numbers
-#define HOLD_WAIT_NS 200000000 // for a frame, before looking whether the panel was closed
-#define TURN_REST_NS 100000000 // at least, between two turns
-#define SAMPLE_MS_MOST 25.0    // finer tolerances than one that takes longer are not sampled
+#define PIECE_NS 1000000           // of work between two rests
+#define HURRY_NS 60000000          // of work when the panel opens: somebody waits for its first numbers
+#define HOLD_WAIT_NS 200000000     // for a frame, before looking whether the panel was closed
+#define FAILED_REST_NS 10000000000 // memory may have come back
+#define TURN_REST_NS 100000000     // at least, between two turns
+#define SAMPLE_MS_MOST 25.0        // finer tolerances than one that takes longer are not sampled
 
 static bool is_wanted(const Watch *watch) {
     return watch->open && !watch->leaving;
@@ -84,8 +85,13 @@ static void measure_drawn(Watch *watch) {
                                        &measure);
         state = result == RESULT_OK ? RENDER_ACCURACY_MEASURED : RENDER_ACCURACY_FAILED;
     }
-    if (result != RESULT_BUDGET)
-        tell_error(watch, &held, state, &measure);
+    if (result == RESULT_BUDGET)
+        return;
+    tell_error(watch, &held, state, &measure);
+    if (state == RENDER_ACCURACY_MEASURED)
+        log_debug("accuracy: a cut of %s is measured: %.3f px at most", lod_method_name(held.method), measure.max_px);
+    else if (state == RENDER_ACCURACY_FAILED)
+        rest_for(watch, FAILED_REST_NS);
 }
 
 // ---- other tolerances ----
@@ -149,6 +155,8 @@ static bool sample_next(Watch *watch) {
     tell_sample(watch, index, &sample, method, split);
     bool slow = result == RESULT_BUDGET || sample.refine_ms > SAMPLE_MS_MOST;
     watch->next_sample = index == 0 || slow ? CURVE_SAMPLES - 1 : index - 1;
+    if (watch->next_sample > index || index == 0)
+        log_debug("accuracy: other tolerances are sampled, down to %.2f px", curve_sample_tau(index));
     return rest(watch);
 }
 
