@@ -226,6 +226,15 @@ Result world_load(const Options *options, World *out) {
     return result == RESULT_OK ? load_scene(options, &terrain, &scene, out) : result;
 }
 
+Result world_check_named(const Options *options, const char *name) {
+    Scene scene = {.datum = -1, .voids = -1};
+    Result result = name ? read_named(&name, 1, &scene) : read_default(&scene);
+    if (result == RESULT_OK)
+        result = check_scene_files(options, &scene);
+    scene_clear(&scene);
+    return result;
+}
+
 Result world_load_named(const Options *options, const char *name, const TerrainOptions *terrain, World *out) {
     Scene scene = {.datum = -1, .voids = -1};
     Result result = name ? read_named(&name, 1, &scene) : read_default(&scene);

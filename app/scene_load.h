@@ -44,6 +44,8 @@ MUST_USE Result world_check_inputs(const Options *options);
 MUST_USE Result world_load(const Options *options, World *out);
 // The same for one scene or DEM by its name, or the default scene where it is NULL, with a hierarchy of its own.
 MUST_USE Result world_load_named(const Options *options, const char *name, const TerrainOptions *terrain, World *out);
+// Whether its files are there, as world_check_inputs.
+MUST_USE Result world_check_named(const Options *options, const char *name);
 void world_unload(World *world);
 
 // --eye and --look, else the scene's start, else a three-quarter view of the highest relief computed from the terrain.

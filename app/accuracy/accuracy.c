@@ -9,7 +9,53 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/utsname.h>
 #include <time.h>
+#include <unistd.h>
+
+static bool is_plain(const char *text) {
+    return strspn(text, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./:+,=-") == strlen(text);
+}
+
+// Quoted for a shell where that is needed.
+static void quote(const char *text, char *out, size_t size) {
+    size_t used = (size_t)snprintf(out, size, "'");
+    if (is_plain(text)) {
+        snprintf(out, size, "%s", text);
+        return;
+    }
+    for (; *text && used + 6 < size; text++)
+        used += (size_t)snprintf(out + used, size - used, *text == '\'' ? "'\\''" : "%c", *text);
+    snprintf(out + used, size - used, "'");
+}
+
+// The options of a subcommand that were given, by whomever, but for some.
+static void put_options(const Options *options, unsigned command, const OptionId *but, size_t but_count, char *out,
+                        size_t size) {
+    size_t used = 0;
+    for (int id = 0; id < OPTION_COUNT; id++) {
+        const OptionSpec *spec = option_spec((OptionId)id);
+        bool skip = !(spec->commands & command) || !(spec->commands & COMMAND_BENCH) ||
+                    !options_is_given(options, (OptionId)id);
+        for (size_t i = 0; i < but_count; i++)
+            skip = skip || but[i] == (OptionId)id;
+        char value[600];
+        if (skip)
+            continue;
+        quote(options_text(options, (OptionId)id), value, sizeof value);
+        if (used + strlen(spec->name) + strlen(value) + 5 < size)
+            used += (size_t)snprintf(out + used, size - used, " --%s=%s", spec->name, value);
+    }
+}
+
+static void describe_system(Accuracy *accuracy) {
+    struct utsname name;
+    if (uname(&name) == 0)
+        snprintf(accuracy->system, sizeof accuracy->system, "%.40s %.50s %.30s", name.sysname, name.release,
+                 name.machine);
+    accuracy->memory_gb = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE) * 1e-9;
+    put_options(accuracy->plan.options, COMMAND_BENCH, NULL, 0, accuracy->given, sizeof accuracy->given);
+}
 
 static Result create_runs(Accuracy *accuracy) {
     const AccuracyPlan *plan = &accuracy->plan;
@@ -77,6 +123,7 @@ Result accuracy_run(const AccuracyPlan *plan, Accuracy *out) {
         out->plan.flights[i] = out->plan.flight_text + (plan->flights[i] - plan->flight_text);
     if (getloadavg(&out->load, 1) != 1)
         out->load = NAN;
+    describe_system(out);
     open_context(out, &context);
     Result result = create_runs(out);
     for (int dem = 0; dem < plan->dem_count && result == RESULT_OK; dem++)
@@ -104,20 +151,12 @@ void accuracy_clear(Accuracy *accuracy) {
     *accuracy = (Accuracy){.runs = NULL};
 }
 
-static bool is_plain(const char *text) {
-    return strspn(text, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./:+,=-") == strlen(text);
-}
-
-// Quoted for a shell where that is needed.
-static void quote(const char *text, char *out, size_t size) {
-    size_t used = (size_t)snprintf(out, size, "'");
-    if (is_plain(text)) {
-        snprintf(out, size, "%s", text);
-        return;
-    }
-    for (; *text && used + 6 < size; text++)
-        used += (size_t)snprintf(out + used, size - used, *text == '\'' ? "'\\''" : "%c", *text);
-    snprintf(out + used, size - used, "'");
+// What `mesh` has to be told besides the view.
+static void put_mesh_options(const Options *options, char *out, size_t size) {
+    static const OptionId told[] = {OPTION_METHOD,  OPTION_BOUND, OPTION_ERROR,  OPTION_SIZE,
+                                    OPTION_FOV,     OPTION_EYE,   OPTION_LOOK,   OPTION_JSON,
+                                    OPTION_THREADS, OPTION_QUIET, OPTION_VERBOSE};
+    put_options(options, COMMAND_MESH, told, COUNT_OF(told), out, size);
 }
 
 void accuracy_command(const Accuracy *accuracy, const AccuracyRun *run, int frame, char *out, size_t size) {
@@ -125,16 +164,17 @@ void accuracy_command(const Accuracy *accuracy, const AccuracyRun *run, int fram
     const AccuracyDem *dem = &accuracy->dems[run->dem];
     const AccuracyVariant *variant = &plan->variants[run->variant];
     const Viewpoint *at = &dem->poses[frame].at;
-    char place[600];
+    char place[600], others[600] = "";
     quote(dem->place, place, sizeof place);
+    put_mesh_options(plan->options, others, sizeof others);
     const char *bound = scene_bound_corner(plan->options)    ? " --bound corner"
                         : variant->bound == LOD_BOUND_CENTRE ? " --bound centre"
                                                              : "";
     snprintf(out, size,
-             "overfly mesh%s%s --method %s%s --error %s --tau %g --size %dx%d --fov %g "
-             "--eye %.9f,%.9f,%.3f --look %.6f,%.6f",
+             "overfly mesh%s%s --method %s%s --error %s --tau %.17g --size %dx%d --fov %.17g "
+             "--eye %.9f,%.9f,%.3f --look %.6f,%.6f%s",
              *dem->place ? " " : "", *dem->place ? place : "", lod_method_name(variant->method), bound,
              plan->kinds[variant->kind].name, run->tau_px, plan->width, plan->height,
              options_number(plan->options, OPTION_FOV), at->lat_deg, at->lon_deg, at->alt_m, at->heading_deg,
-             at->pitch_deg);
+             at->pitch_deg, others);
 }

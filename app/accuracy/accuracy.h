@@ -18,7 +18,7 @@
 #define ACCURACY_TAUS_MAX 12
 #define ACCURACY_KINDS_MAX 6
 #define ACCURACY_FLIGHTS_MAX 8
-#define ACCURACY_BURST 6 // frames that follow one another at 60 Hz, before the flight goes on elsewhere
+#define ACCURACY_BURST 3 // frames that follow one another at 60 Hz, before the flight goes on elsewhere
 #define ACCURACY_FRAME_HZ 60.0
 
 // How vertex errors are defined: what the hierarchy is built with.
@@ -79,11 +79,11 @@ typedef struct AccuracyFrame {
     bool promises; // reached_px, at every sample
     int64_t triangles, patches, vertices, index_bytes, upload_bytes, vram_bytes;
     double rebuilt_share; // of the triangles
-    uint64_t cut_hash;
+    uint64_t cut_outline; // accuracy_cut_outline
+    uint64_t cut_hash;    // accuracy_cut_hash of what was measured
     // Measured on this machine, this time.
-    AccuracyTimes median;                 // of the rounds, each figure by itself
-    double frame_least_ms, frame_most_ms; // of the rounds
-    int64_t memory_bytes;                 // that the refinement made the process hold, as the system tells
+    AccuracyTimes median, least, most; // of the rounds, each figure by itself
+    int64_t memory_bytes;              // that the refinement made the process hold, as the system tells
 } AccuracyFrame;
 
 typedef struct AccuracyPercentiles {
@@ -91,6 +91,11 @@ typedef struct AccuracyPercentiles {
 } AccuracyPercentiles;
 
 // Of all frames of a run; times without jumps.
+// Spread of a median over the rounds.
+typedef struct AccuracySpread {
+    double least, most;
+} AccuracySpread;
+
 typedef struct AccuracySummary {
     double max_px, p999_px, p99_px; // greatest
     double rms_px, above_tau_share; // over all samples and frames
@@ -101,11 +106,12 @@ typedef struct AccuracySummary {
     bool held;         // in every frame: nothing above reached_px, no crack
     bool same_cuts;    // what was measured is what was timed, in every round
     int worst_frame;   // the greatest measured error for what was tolerated; the first with a crack
+    int worst_error;   // the same but for cracks
     double triangles_mean, rebuilt_share, upload_bytes_mean;
-    int64_t vram_bytes, memory_bytes; // greatest
-    AccuracyPercentiles frame_ms, refine_ms;
-    AccuracyTimes mean;                           // of the medians
-    double round_p50_least_ms, round_p50_most_ms; // of frame_ms, by round
+    int64_t vram_bytes, memory_bytes;        // greatest
+    AccuracyPercentiles frame_ms, update_ms; // of all frames in all rounds; update: select and refine
+    AccuracyTimes mean;                      // of the medians
+    AccuracySpread frame_p50, update_p50;    // of single rounds
 } AccuracySummary;
 
 typedef struct AccuracyRun {
@@ -128,6 +134,7 @@ typedef struct AccuracyDem {
     Track tracks[ACCURACY_FLIGHTS_MAX];
     AccuracyPose *poses;
     int pose_count;
+    int off_count, under_count; // poses that are not over it; whose eye is under its ground
 } AccuracyDem;
 
 // A picture, rows from the top.
@@ -170,6 +177,9 @@ typedef struct Accuracy {
     AccuracyScaling scaling;
     char renderer[160]; // "": nothing was drawn
     bool software;
+    char system[128]; // its name, release and machine
+    double memory_gb;
+    char given[1024]; // the options that were given, as on a command line
     int threads;
     double wall_s, load; // the load average of the minute before
     int64_t unix_s;      // when it began
@@ -183,6 +193,10 @@ MUST_USE Result accuracy_plan(const Options *options, AccuracyPlan *out);
 MUST_USE Result accuracy_run(const AccuracyPlan *plan, Accuracy *out);
 void accuracy_clear(Accuracy *accuracy);
 
+// Pixels a radian that the tolerances are of.
+double accuracy_px_per_rad(const AccuracyPlan *plan);
+// The first method with nested errors, which the kinds of --error are shown with: its variant of one kind; -1: none.
+int accuracy_variant_of_kind(const AccuracyPlan *plan, int kind);
 AccuracyRun *accuracy_run_at(const Accuracy *accuracy, int dem, int variant, int tau);
 int accuracy_jump_free(const Accuracy *accuracy, int dem); // frames whose times count
 // Whether what was promised was kept and the surfaces were whole: of one run, of all.
@@ -194,6 +208,6 @@ void accuracy_command(const Accuracy *accuracy, const AccuracyRun *run, int fram
 // What a method costs at a measured error that its line reaches: between the two tolerances around it, on straight
 // lines of logarithms; NaN beyond the line's ends.
 typedef struct AccuracyCost {
-    double frame_ms, refine_ms, triangles;
+    double frame_ms, frame_least_ms, frame_most_ms, update_ms, triangles;
 } AccuracyCost;
 AccuracyCost accuracy_cost_at(const Accuracy *accuracy, int dem, int variant, double measured_px);

@@ -12,17 +12,18 @@ static Result print_json(const Accuracy *accuracy) {
     return result;
 }
 
+// What was measured is told even where the report could not be written.
 static Result deliver(const Accuracy *accuracy, const char *folder) {
     const Options *options = accuracy->plan.options;
-    Result result = folder ? accuracy_write_report(accuracy, folder) : RESULT_OK;
-    if (result == RESULT_OK && options_flag(options, OPTION_JSON))
-        return print_json(accuracy);
-    if (result == RESULT_OK)
+    Result written = folder ? accuracy_write_report(accuracy, folder) : RESULT_OK, told = RESULT_OK;
+    if (options_flag(options, OPTION_JSON))
+        told = print_json(accuracy);
+    else
         accuracy_write_text(accuracy, stdout);
-    if (result == RESULT_OK && folder)
+    if (written == RESULT_OK && folder)
         log_info("%s: open report.html in a browser; frames.csv, summary.csv, summary.json and plots lie beside it",
                  folder);
-    return result;
+    return written == RESULT_OK ? told : written;
 }
 
 // A broken promise is a failure, once all of it is written down.

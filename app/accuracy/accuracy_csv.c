@@ -71,13 +71,24 @@ static void put_errors(const AccuracyFrame *frame, FILE *to) {
     put_integer(frame->index_bytes, to);
     put_integer(frame->upload_bytes, to);
     put_integer(frame->vram_bytes, to);
+    fprintf(to, "%016" PRIx64 ",", frame->cut_hash);
+}
+
+static void put_times(const AccuracyTimes *times, FILE *to) {
+    put_number(times->select_ms, to);
+    put_number(times->refine_ms, to);
+    put_number(times->upload_ms, to);
+    put_number(times->draw_ms, to);
+    put_number(times->frame_ms, to);
 }
 
 void accuracy_write_frames(const Accuracy *accuracy, FILE *to) {
     fputs(RUN_COLUMNS "flight,frame,jump,t_s,lat_deg,lon_deg,alt_m,heading_deg,pitch_deg,reached_px,promises,max_px,"
                       "p999_px,p99_px,rms_px,above_tau_share,samples,worst_col,worst_row,popping_px,t_junctions,holes,"
-                      "overlaps,triangles,patches,retriangulated_share,index_bytes,upload_bytes,vram_bytes,select_ms,"
-                      "refine_ms,upload_ms,draw_ms,frame_ms,frame_ms_min,frame_ms_max,memory_bytes\r\n",
+                      "overlaps,triangles,patches,retriangulated_share,index_bytes,upload_bytes,vram_bytes,cut_hash,"
+                      "select_ms,refine_ms,upload_ms,draw_ms,frame_ms,select_ms_min,refine_ms_min,upload_ms_min,"
+                      "draw_ms_min,frame_ms_min,select_ms_max,refine_ms_max,upload_ms_max,draw_ms_max,frame_ms_max,"
+                      "memory_bytes\r\n",
           to);
     for (int i = 0; i < accuracy->run_count; i++) {
         const AccuracyRun *run = &accuracy->runs[i];
@@ -86,13 +97,9 @@ void accuracy_write_frames(const Accuracy *accuracy, FILE *to) {
             put_run(accuracy, run, to);
             put_pose(accuracy, run, pose, to);
             put_errors(frame, to);
-            put_number(frame->median.select_ms, to);
-            put_number(frame->median.refine_ms, to);
-            put_number(frame->median.upload_ms, to);
-            put_number(frame->median.draw_ms, to);
-            put_number(frame->median.frame_ms, to);
-            put_number(frame->frame_least_ms, to);
-            put_number(frame->frame_most_ms, to);
+            put_times(&frame->median, to);
+            put_times(&frame->least, to);
+            put_times(&frame->most, to);
             fprintf(to, "%" PRId64 "\r\n", frame->memory_bytes);
         }
     }
@@ -118,29 +125,31 @@ static void put_summary_errors(const AccuracyRun *run, FILE *to) {
     put_integer(s->vram_bytes, to);
 }
 
-static void put_percentiles(const AccuracyPercentiles *p, FILE *to) {
+static void put_percentiles(const AccuracyPercentiles *p, const AccuracySpread *rounds, FILE *to) {
     put_number(p->p50, to);
     put_number(p->p95, to);
     put_number(p->p99, to);
     put_number(p->max, to);
+    put_number(rounds->least, to);
+    put_number(rounds->most, to);
 }
 
 void accuracy_write_summary(const Accuracy *accuracy, FILE *to) {
-    fputs(RUN_COLUMNS "reached_px,promised,promise_held,max_px,p999_px,p99_px,rms_px,above_tau_share,popping_px,"
-                      "t_junctions,holes,overlaps,triangles_mean,retriangulated_share,upload_bytes_mean,vram_bytes,"
-                      "frame_ms_p50,frame_ms_p95,frame_ms_p99,frame_ms_max,refine_ms_p50,refine_ms_p95,refine_ms_p99,"
-                      "refine_ms_max,frame_ms_p50_least_round,frame_ms_p50_most_round,select_ms_mean,refine_ms_mean,"
-                      "upload_ms_mean,draw_ms_mean,memory_bytes\r\n",
+    fputs(RUN_COLUMNS
+          "reached_px,promised,promise_held,max_px,p999_px,p99_px,rms_px,above_tau_share,popping_px,"
+          "t_junctions,holes,overlaps,triangles_mean,retriangulated_share,upload_bytes_mean,vram_bytes,"
+          "frame_ms_p50,frame_ms_p95,frame_ms_p99,frame_ms_max,frame_ms_p50_least_round,frame_ms_p50_most_round,"
+          "update_ms_p50,update_ms_p95,update_ms_p99,update_ms_max,update_ms_p50_least_round,"
+          "update_ms_p50_most_round,select_ms_mean,refine_ms_mean,upload_ms_mean,draw_ms_mean,"
+          "memory_bytes\r\n",
           to);
     for (int i = 0; i < accuracy->run_count; i++) {
         const AccuracyRun *run = &accuracy->runs[i];
         const AccuracySummary *s = &run->summary;
         put_run(accuracy, run, to);
         put_summary_errors(run, to);
-        put_percentiles(&s->frame_ms, to);
-        put_percentiles(&s->refine_ms, to);
-        put_number(s->round_p50_least_ms, to);
-        put_number(s->round_p50_most_ms, to);
+        put_percentiles(&s->frame_ms, &s->frame_p50, to);
+        put_percentiles(&s->update_ms, &s->update_p50, to);
         put_number(s->mean.select_ms, to);
         put_number(s->mean.refine_ms, to);
         put_number(s->mean.upload_ms, to);

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 
 #define SIDE_MAX 720
+#define SIDE_MIN 360  // smaller ones are enlarged
 #define COLOURED 0.72 // so much of a pixel is the error's colour where all of the tolerance is used up
 #define SUN_UP 0.707
 #define SUN_SIDE 0.5
@@ -58,7 +59,7 @@ static double shade_at(const Heat *h, int col, int row) {
 
 // The greatest error of a pixel's samples; NaN where one is not covered.
 static double error_of(const Heat *h, int x, int y) {
-    int col0 = (int)(x * h->step), row0 = (int)(y * h->step);
+    int col0 = (int)fmin(x * h->step, h->dem->width - 1), row0 = (int)fmin(y * h->step, h->dem->height - 1);
     int col1 = (int)fmin(ceil((x + 1) * h->step), h->dem->width);
     int row1 = (int)fmin(ceil((y + 1) * h->step), h->dem->height);
     double most = 0.0;
@@ -121,11 +122,12 @@ Result accuracy_make_heat(const Terrain *terrain, const float *error_px, const A
     const Dem *dem = terrain_dem(terrain);
     double longer = dem->width > dem->height ? dem->width : dem->height, col, row;
     Heat h = {.dem = dem, .error_px = error_px, .reached_px = frame->reached_px, .out = out};
-    h.step = fmax(longer / SIDE_MAX, 1.0);
+    h.step = longer > SIDE_MAX ? longer / SIDE_MAX : 1.0 / fmax(floor(SIDE_MIN / longer), 1.0);
     track_cell_m(terrain, &h.cell_m[0], &h.cell_m[1]);
     h.steeper = fmin(fmax(RELIEF_SHARE * longer * h.cell_m[0] / fmax(relief_of(dem), 1.0), 1.0), STEEPER_MAX);
     free(out->rgb);
-    *out = (AccuracyHeat){.width = (int)(dem->width / h.step), .height = (int)(dem->height / h.step)};
+    *out = (AccuracyHeat){.width = (int)fmax(ceil(dem->width / h.step), 1.0),
+                          .height = (int)fmax(ceil(dem->height / h.step), 1.0)};
     out->rgb = malloc((size_t)out->width * (size_t)out->height * 3);
     if (!out->rgb) {
         log_error("bench: no memory for a map of %d x %d", out->width, out->height);

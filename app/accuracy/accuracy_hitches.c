@@ -1,53 +1,91 @@
 #include "app/accuracy/accuracy_hitches.h"
 
-#include <stdio.h>
+#include "base/statistics.h"
 
-// What the stages do not account for is the system's, or the program's between them.
-static void tell_cause(const AccuracyRun *run, const AccuracyFrame *frame, char out[ACCURACY_CAUSE_BYTES]) {
+#include <stdio.h>
+#include <stdlib.h>
+
+typedef struct Search {
+    const AccuracyDem *dem;
+    double p50[ACCURACY_FLIGHTS_MAX]; // of the medians of each flight's frames, in the run that is looked at
+    double *values;                   // [pose_count], for sorting
+    AccuracyHitch *out;
+    int count, found;
+} Search;
+
+static void find_medians(Search *s, const AccuracyRun *run) {
+    for (int flight = 0; flight < ACCURACY_FLIGHTS_MAX; flight++) {
+        int count = 0;
+        for (int pose = 0; pose < s->dem->pose_count; pose++)
+            if (s->dem->poses[pose].flight == flight && !s->dem->poses[pose].jump)
+                s->values[count++] = run->frames[pose].median.frame_ms;
+        statistics_sort(s->values, count);
+        s->p50[flight] = statistics_percentile(s->values, count, 0.5);
+    }
+}
+
+// In all rounds: which stage is further above the run's mean than the others. What none accounts for lies between them.
+static void tell_stage(const AccuracyRun *run, const AccuracyFrame *frame, char out[ACCURACY_CAUSE_BYTES]) {
     const AccuracyTimes *t = &frame->median, *mean = &run->summary.mean;
     double refine = t->select_ms + t->refine_ms - mean->select_ms - mean->refine_ms;
     double upload = t->upload_ms - mean->upload_ms, draw = t->draw_ms - mean->draw_ms;
     double rest = t->frame_ms - mean->frame_ms - refine - upload - draw;
     if (rest > refine && rest > upload && rest > draw)
-        snprintf(out, ACCURACY_CAUSE_BYTES, "between the stages: the system");
+        snprintf(out, ACCURACY_CAUSE_BYTES, "all rounds: between the stages");
     else if (refine > upload && refine > draw)
-        snprintf(out, ACCURACY_CAUSE_BYTES, "refinement: %.1f %% of the triangles anew", 100.0 * frame->rebuilt_share);
+        snprintf(out, ACCURACY_CAUSE_BYTES, "all rounds: refinement, %.1f %% of the triangles anew",
+                 100.0 * frame->rebuilt_share);
     else if (upload > draw)
-        snprintf(out, ACCURACY_CAUSE_BYTES, "upload: %.0f kB", (double)frame->upload_bytes / 1e3);
+        snprintf(out, ACCURACY_CAUSE_BYTES, "all rounds: upload, %.0f kB", (double)frame->upload_bytes / 1e3);
     else
-        snprintf(out, ACCURACY_CAUSE_BYTES, "drawing: %.2f times the mean triangles",
+        snprintf(out, ACCURACY_CAUSE_BYTES, "all rounds: drawing, %.2f times the run's mean triangles",
                  (double)frame->triangles / run->summary.triangles_mean);
 }
 
 // Keeps the list sorted, and drops what falls off its end.
-static int insert(AccuracyHitch *list, int count, const AccuracyHitch *hitch) {
-    int at = count;
-    while (at > 0 && list[at - 1].times < hitch->times)
+static void insert(Search *s, const AccuracyHitch *hitch) {
+    int at = s->count;
+    s->found++;
+    while (at > 0 && s->out[at - 1].times < hitch->times)
         at--;
     if (at == ACCURACY_HITCHES_MAX)
-        return count;
-    int last = count < ACCURACY_HITCHES_MAX ? count : ACCURACY_HITCHES_MAX - 1;
+        return;
+    int last = s->count < ACCURACY_HITCHES_MAX ? s->count++ : ACCURACY_HITCHES_MAX - 1;
     for (int i = last; i > at; i--)
-        list[i] = list[i - 1];
-    list[at] = *hitch;
-    return last + 1;
+        s->out[i] = s->out[i - 1];
+    s->out[at] = *hitch;
+}
+
+static void look_at_frame(Search *s, const AccuracyRun *run, int pose) {
+    const AccuracyFrame *frame = &run->frames[pose];
+    double median = frame->median.frame_ms, most = frame->most.frame_ms, p50 = s->p50[s->dem->poses[pose].flight];
+    AccuracyHitch hitch = {.run = run, .pose = pose};
+    if (median > ACCURACY_HITCH_TIMES * p50) {
+        hitch.ms = median;
+        hitch.times = median / p50;
+        tell_stage(run, frame, hitch.cause);
+        insert(s, &hitch);
+    } else if (most > ACCURACY_HITCH_TIMES * median) {
+        hitch.ms = most;
+        hitch.times = most / median;
+        snprintf(hitch.cause, ACCURACY_CAUSE_BYTES, "one round: the system; %.2f ms in their median", median);
+        insert(s, &hitch);
+    }
 }
 
 int accuracy_hitches(const Accuracy *accuracy, int dem, AccuracyHitch out[ACCURACY_HITCHES_MAX], int *found) {
-    const AccuracyDem *d = &accuracy->dems[dem];
-    int count = 0;
-    *found = 0;
-    for (int i = 0; i < accuracy->run_count; i++) {
+    Search s = {.dem = &accuracy->dems[dem], .out = out};
+    s.values = malloc(sizeof *s.values * (size_t)s.dem->pose_count);
+    for (int i = 0; i < accuracy->run_count && s.values; i++) {
         const AccuracyRun *run = &accuracy->runs[i];
-        for (int pose = 0; run->dem == dem && pose < d->pose_count; pose++) {
-            double times = run->frames[pose].median.frame_ms / run->summary.frame_ms.p50;
-            if (d->poses[pose].jump || !(times > ACCURACY_HITCH_TIMES))
-                continue;
-            AccuracyHitch hitch = {.run = run, .pose = pose, .times = times};
-            tell_cause(run, &run->frames[pose], hitch.cause);
-            count = insert(out, count, &hitch);
-            ++*found;
-        }
+        if (run->dem != dem)
+            continue;
+        find_medians(&s, run);
+        for (int pose = 0; pose < s.dem->pose_count; pose++)
+            if (!s.dem->poses[pose].jump)
+                look_at_frame(&s, run, pose);
     }
-    return count;
+    free(s.values);
+    *found = s.found;
+    return s.count;
 }

@@ -15,8 +15,6 @@
 #include <string.h>
 #include <time.h>
 
-#define PLOT_CAPTION NULL
-
 typedef struct Page {
     const Accuracy *accuracy;
     const char *folder;
@@ -40,7 +38,8 @@ static Result put_asset(const char *name, const char *before, const char *after,
     return RESULT_OK;
 }
 
-static Result put_picture(const Page *page, const char *file, const char *css_class, const char *caption) {
+static Result put_picture(const Page *page, const char *file, const char *alt, const char *css_class,
+                          const char *caption) {
     char path[PATHS_BYTES_MAX], *bytes;
     size_t count, length = strlen(file);
     snprintf(path, sizeof path, "%s/%s", page->folder, file);
@@ -49,7 +48,7 @@ static Result put_picture(const Page *page, const char *file, const char *css_cl
         return result;
     const HtmlPicture picture = {
         .type = length > 4 && strcmp(file + length - 4, ".svg") == 0 ? "image/svg+xml" : "image/png",
-        .name = file,
+        .name = alt,
         .css_class = css_class,
         .caption = caption,
         .bytes = (const unsigned char *)bytes,
@@ -77,7 +76,7 @@ static void put_worst_frame(const Page *page) {
     html_format(
         page->to,
         "The worst frame, of those that promise: %s at tau %g px over %s, frame %d of the flight \"%s\": %.4f px "
-        "measured where %.4g px hold, at column %d, row %d; %s. To see it again:",
+        "measured where %.4g px are claimed, at column %d, row %d; %s. To see it again:",
         accuracy->plan.variants[run->variant].name, run->tau_px, dem->name, pose->number,
         dem->tracks[pose->flight].name, frame->measure.max_px, frame->reached_px, frame->measure.worst_col,
         frame->measure.worst_row,
@@ -94,10 +93,12 @@ static void put_verdict(const Page *page) {
     const Accuracy *accuracy = page->accuracy;
     bool holds = accuracy_holds(accuracy);
     accuracy_verdict(accuracy, text);
-    char *rest = strchr(text, ':'); // the heading says what stands before it
-    fprintf(page->to, "<div class=\"verdict%s\" id=\"verdict\"><p><strong>%s</strong>", holds ? "" : " broken",
-            holds ? "Every promise held:" : "Broken:");
-    html_text(rest ? rest + 1 : text, page->to);
+    const char *rest = strchr(text, ':'); // what stands before it is the heading
+    int head = rest ? (int)(rest + 1 - text) : 0;
+    fprintf(page->to, "<div class=\"verdict%s\" id=\"verdict\"><p><strong>", holds ? "" : " broken");
+    html_format(page->to, "%.*s", head, text);
+    fputs("</strong>", page->to);
+    html_text(text + head, page->to);
     fputs("</p>\n", page->to);
     for (int i = 0; i < accuracy->run_count; i++) {
         accuracy_fault(accuracy, &accuracy->runs[i], text);
@@ -129,32 +130,30 @@ static Result put_worst(const Page *page) {
     if (page->accuracy->worst.run < 0)
         return RESULT_OK;
     fputs("<h2 id=\"worst\">The worst frame</h2>\n<div class=\"pair\">\n", page->to);
-    Result result = put_picture(page, "worst-frame-error.png", "map",
+    Result result = put_picture(page, "worst-frame-error.png", "the error of each sample, on the map", "map",
                                 "The error of every sample, on the map: the brighter, the more of the bound is used up "
                                 "(below: none to all); magenta: more than that; black: no triangle. White ring: the "
                                 "eye; red ring: the worst sample.");
     if (result == RESULT_OK && page->accuracy->worst.picture.rgb)
-        result = put_picture(page, "worst-frame.png", "map", "The frame itself.");
+        result = put_picture(page, "worst-frame.png", "the worst frame as it is drawn", "map", "The frame itself.");
     fputs("</div><div class=\"ramp\" role=\"img\" aria-label=\"none to all of the bound\"></div>\n", page->to);
     return result;
 }
 
 // ---- tables ----
 
+static void put_promise(const AccuracyRun *run, FILE *to) {
+    const char *word = !accuracy_run_holds(run) ? "broken" : run->summary.promised ? "held" : "none";
+    html_cell_text(word, run->summary.promised || !accuracy_run_holds(run) ? word : "", to);
+}
+
 static void put_run_row(const Page *page, const AccuracyRun *run) {
     const AccuracySummary *s = &run->summary;
     FILE *to = page->to;
-    bool holds = accuracy_run_holds(run);
     html_begin_row(to);
     html_cell_text(page->accuracy->plan.variants[run->variant].name, "", to);
     html_cell_number(run->tau_px, 2, to);
-    html_cell_text(!holds        ? "broken"
-                   : s->promised ? "held"
-                                 : "none",
-                   !holds        ? "broken"
-                   : s->promised ? "held"
-                                 : "",
-                   to);
+    put_promise(run, to);
     html_cell_number(s->reached_px, 2, to);
     html_cell_number(s->max_px, 3, to);
     html_cell_number(s->p999_px, 3, to);
@@ -169,9 +168,12 @@ static void put_run_row(const Page *page, const AccuracyRun *run) {
     html_cell_number(s->mean.refine_ms, 2, to);
     html_cell_number(s->mean.upload_ms, 2, to);
     html_cell_number(s->mean.draw_ms, 2, to);
+    html_cell_number(s->update_ms.p50, 3, to);
+    html_cell_number(s->update_p50.least, 3, to);
+    html_cell_number(s->update_p50.most, 3, to);
     html_cell_number(s->frame_ms.p50, 2, to);
-    html_cell_number(s->round_p50_least_ms, 2, to);
-    html_cell_number(s->round_p50_most_ms, 2, to);
+    html_cell_number(s->frame_p50.least, 2, to);
+    html_cell_number(s->frame_p50.most, 2, to);
     html_cell_number(s->frame_ms.p95, 2, to);
     html_cell_number(s->frame_ms.p99, 2, to);
     html_cell_number(s->frame_ms.max, 2, to);
@@ -182,11 +184,12 @@ static void put_run_row(const Page *page, const AccuracyRun *run) {
 }
 
 static void put_runs(const Page *page, int dem) {
-    static const char *const titles[] = {
-        "<method",   "tau px",      "<promise",   "holds px",     "max px",      "p99.9 px",   "p99 px",
-        "RMS px",    "% above tau", "popping px", "cracks",       "triangles",   "% new",      "select ms",
-        "refine ms", "upload ms",   "draw ms",    "frame p50 ms", "least round", "most round", "p95 ms",
-        "p99 ms",    "max ms",      "upload kB",  "VRAM MB",      "memory MB"};
+    static const char *const titles[] = {"<method",      "tau px",      "<promise",      "holds px",    "max px",
+                                         "p99.9 px",     "p99 px",      "RMS px",        "% above tau", "popping px",
+                                         "cracks",       "triangles",   "% new",         "select ms",   "refine ms",
+                                         "upload ms",    "draw ms",     "update p50 ms", "least round", "most round",
+                                         "frame p50 ms", "least round", "most round",    "p95 ms",      "p99 ms",
+                                         "max ms",       "upload kB",   "VRAM MB",       "memory MB"};
     int of_dem = page->accuracy->plan.variant_count * page->accuracy->plan.tau_count;
     html_begin_table(titles, COUNT_OF(titles), page->to);
     for (int i = dem * of_dem; i < (dem + 1) * of_dem; i++)
@@ -194,19 +197,25 @@ static void put_runs(const Page *page, int dem) {
     html_end_table(page->to);
 }
 
+// At the tolerances but the largest, which lines of methods that keep their bound do not reach.
 static void put_equal(const Page *page, int dem) {
-    static const char *const titles[] = {"<method", "measured px", "frame ms", "refine ms", "triangles"};
+    static const char *const titles[] = {"<method",    "measured px", "frame ms",  "least round",
+                                         "most round", "update ms",   "triangles", "build ms"};
     const AccuracyPlan *plan = &page->accuracy->plan;
+    int taus = plan->tau_count > 1 ? plan->tau_count - 1 : 1;
     html_begin_table(titles, COUNT_OF(titles), page->to);
-    for (int tau = 0; tau < plan->tau_count; tau++)
+    for (int tau = 0; tau < taus; tau++)
         for (int variant = 0; variant < plan->variant_count; variant++) {
             AccuracyCost cost = accuracy_cost_at(page->accuracy, dem, variant, plan->tau_px[tau]);
             html_begin_row(page->to);
             html_cell_text(plan->variants[variant].name, "", page->to);
             html_cell_number(plan->tau_px[tau], 2, page->to);
             html_cell_number(cost.frame_ms, 2, page->to);
-            html_cell_number(cost.refine_ms, 3, page->to);
+            html_cell_number(cost.frame_least_ms, 2, page->to);
+            html_cell_number(cost.frame_most_ms, 2, page->to);
+            html_cell_number(cost.update_ms, 3, page->to);
             html_cell_number(cost.triangles, 0, page->to);
+            html_cell_number(page->accuracy->dems[dem].build_ms[plan->variants[variant].kind][0], 1, page->to);
             html_end_row(page->to);
         }
     html_end_table(page->to);
@@ -215,10 +224,7 @@ static void put_equal(const Page *page, int dem) {
 // Of one kind of errors at one tolerance: the first method's run.
 static void put_kind_row(const Page *page, int dem, int kind, int tau) {
     const AccuracyPlan *plan = &page->accuracy->plan;
-    int variant = 0;
-    while (plan->variants[variant].kind != kind)
-        variant++;
-    const AccuracySummary *s = &accuracy_run_at(page->accuracy, dem, variant, tau)->summary;
+    const AccuracyRun *run = accuracy_run_at(page->accuracy, dem, accuracy_variant_of_kind(plan, kind), tau);
     const double *build = page->accuracy->dems[dem].build_ms[kind];
     html_begin_row(page->to);
     html_cell_text(plan->kinds[kind].name, "", page->to);
@@ -226,17 +232,21 @@ static void put_kind_row(const Page *page, int dem, int kind, int tau) {
     html_cell_number(build[0], 1, page->to);
     html_cell_number(build[1], 1, page->to);
     html_cell_number(build[2], 1, page->to);
-    html_cell_number(s->triangles_mean, 0, page->to);
-    html_cell_number(s->frame_ms.p50, 2, page->to);
-    html_cell_number(s->max_px, 3, page->to);
-    html_cell_number(s->max_px / plan->tau_px[tau], 3, page->to);
-    html_cell_text(s->promised ? "held" : "none", s->promised ? "held" : "", page->to);
+    html_cell_number(run->summary.triangles_mean, 0, page->to);
+    html_cell_number(run->summary.frame_ms.p50, 2, page->to);
+    html_cell_number(run->summary.max_px, 3, page->to);
+    html_cell_number(run->summary.max_px / plan->tau_px[tau], 3, page->to);
+    put_promise(run, page->to);
     html_end_row(page->to);
 }
 
 static void put_kinds(const Page *page, int dem) {
     static const char *const titles[] = {"<--error",  "tau px",       "build ms", "least",     "most",
                                          "triangles", "frame p50 ms", "max px",   "max / tau", "<promise"};
+    if (accuracy_variant_of_kind(&page->accuracy->plan, 0) < 0) {
+        html_element("p", "No method with nested errors was run; the others have errors of their own.", page->to);
+        return;
+    }
     html_begin_table(titles, COUNT_OF(titles), page->to);
     for (int kind = 0; kind < page->accuracy->plan.kind_count; kind++)
         for (int tau = 0; tau < page->accuracy->plan.tau_count; tau++)
@@ -252,18 +262,20 @@ static void put_hitch_row(const Page *page, const AccuracyHitch *hitch) {
     html_cell_number(hitch->run->tau_px, 2, page->to);
     html_cell_text(dem->tracks[pose->flight].name, "", page->to);
     html_cell_number(pose->number, 0, page->to);
-    html_cell_number(hitch->run->frames[hitch->pose].median.frame_ms, 2, page->to);
+    html_cell_number(hitch->ms, 2, page->to);
     html_cell_number(hitch->times, 2, page->to);
     html_cell_text(hitch->cause, "", page->to);
     html_end_row(page->to);
 }
 
 static void put_hitches(const Page *page, int dem) {
-    static const char *const titles[] = {"<method", "tau px", "<flight", "frame", "ms", "times p50", "<cause"};
+    static const char *const titles[] = {"<method", "tau px", "<flight", "frame", "ms", "times", "<cause"};
     AccuracyHitch hitches[ACCURACY_HITCHES_MAX];
     int found, count = accuracy_hitches(page->accuracy, dem, hitches, &found);
     fputs("<h3>Hitches</h3>\n<p class=\"dim\">", page->to);
-    html_format(page->to, "Frames that took more than %g times their run's p50, in the median of the rounds: %d.",
+    html_format(page->to,
+                "Frames that took more than %g times what they take in other rounds, or what others of their run and "
+                "flight take: %d; the worst:",
                 ACCURACY_HITCH_TIMES, found);
     fputs("</p>\n", page->to);
     if (count == 0)
@@ -276,33 +288,41 @@ static void put_hitches(const Page *page, int dem) {
 
 // ---- the DEMs ----
 
-// The cheapest of those that promise, and of all, at a measured error of the tolerance shown.
-static void put_conclusion(const Page *page, int dem) {
+// Those whose rounds overlap with the cheapest one's: no difference beyond the spread.
+static void put_cheapest(const Page *page, int dem, bool promised, const char *before) {
     const AccuracyPlan *plan = &page->accuracy->plan;
-    int tau = accuracy_tau_shown(page->accuracy), best = -1, cheapest = -1;
-    double target = plan->tau_px[tau], best_ms = INFINITY, cheapest_ms = INFINITY;
-    for (int variant = 0; variant < plan->variant_count; variant++) {
-        double ms = accuracy_cost_at(page->accuracy, dem, variant, target).frame_ms;
-        if (plan->variants[variant].kind != 0 || !(ms < INFINITY))
-            continue;
-        if (ms < cheapest_ms) {
-            cheapest = variant;
-            cheapest_ms = ms;
+    int tau = accuracy_tau_shown(page->accuracy), count = 0;
+    double most_ms = INFINITY, best_ms = INFINITY;
+    for (int pass = 0; pass < 2; pass++)
+        for (int variant = 0; variant < plan->variant_count; variant++) {
+            AccuracyCost cost = accuracy_cost_at(page->accuracy, dem, variant, plan->tau_px[tau]);
+            bool counts = plan->variants[variant].kind == 0 && isfinite(cost.frame_ms) &&
+                          (!promised || accuracy_run_at(page->accuracy, dem, variant, tau)->summary.promised);
+            if (counts && pass == 0 && cost.frame_ms < best_ms) {
+                best_ms = cost.frame_ms;
+                most_ms = cost.frame_most_ms;
+            } else if (counts && pass == 1 && cost.frame_least_ms <= most_ms) {
+                html_format(page->to, "%s%s (%.1f to %.1f ms)", count++ ? ", " : before, plan->variants[variant].name,
+                            cost.frame_least_ms, cost.frame_most_ms);
+            }
         }
-        if (ms < best_ms && accuracy_run_at(page->accuracy, dem, variant, tau)->summary.promised) {
-            best = variant;
-            best_ms = ms;
-        }
-    }
-    if (cheapest < 0)
-        return;
+    if (count)
+        fputs(". ", page->to);
+}
+
+static void put_conclusion(const Page *page, int dem) {
+    const AccuracyDem *d = &page->accuracy->dems[dem];
+    char before[200];
+    double tau = page->accuracy->plan.tau_px[accuracy_tau_shown(page->accuracy)];
     fputs("<p>", page->to);
-    html_format(page->to, "At a measured error of %g px the cheapest frame is that of %s, %.2f ms", target,
-                plan->variants[cheapest].name, cheapest_ms);
-    if (best >= 0 && best != cheapest)
-        html_format(page->to, "; of those that promise their bound it is %s, %.2f ms", plan->variants[best].name,
-                    best_ms);
-    fputs(".</p>\n", page->to);
+    snprintf(before, sizeof before,
+             "At a measured error of %g px the cheapest frames, as far as the rounds tell, are those of ", tau);
+    put_cheapest(page, dem, false, before);
+    put_cheapest(page, dem, true, "Of those that promise their bound: ");
+    if (d->off_count || d->under_count)
+        html_format(page->to, "%d of the %d eyes are not over the model, and %d are under its ground. ", d->off_count,
+                    d->pose_count, d->under_count);
+    fputs("</p>\n", page->to);
 }
 
 static Result put_plots(const Page *page, int first, int count) {
@@ -310,7 +330,7 @@ static Result put_plots(const Page *page, int first, int count) {
     for (int i = first; i < first + count && result == RESULT_OK; i++) {
         char name[ACCURACY_PLOT_BYTES];
         accuracy_plot_name(page->accuracy, i, name);
-        result = put_picture(page, name, "plot", PLOT_CAPTION);
+        result = put_picture(page, name, accuracy_plot_what(page->accuracy, i), "plot", NULL);
     }
     return result;
 }
@@ -434,9 +454,12 @@ static void put_provenance(const Page *page) {
              accuracy->threads);
     put_fact(page, "GPU and driver", "%s%s", *accuracy->renderer ? accuracy->renderer : "nothing was drawn",
              accuracy->software ? " (a software renderer)" : "");
+    put_fact(page, "system", "%s, %.1f GB of memory", accuracy->system, accuracy->memory_gb);
+    put_fact(page, "options given", "%s", *accuracy->given ? accuracy->given : "none");
     put_fact(page, "begun", "%s, %.0f s long, load average before %.2f", when, accuracy->wall_s, accuracy->load);
-    put_fact(page, "picture", "%d x %d pixels, %g degrees from bottom to top, %g pixels a radian", plan->width,
-             plan->height, options_number(plan->options, OPTION_FOV), plan->height / (2.0 * tan(0.5 * plan->fov_rad)));
+    put_fact(page, "picture", "%d x %d pixels, %g degrees from bottom to top, %g pixels a radian %s", plan->width,
+             plan->height, options_number(plan->options, OPTION_FOV), accuracy_px_per_rad(plan),
+             scene_bound_corner(plan->options) ? "at its corners" : "at its centre");
     put_fact(page, "frames", "%d a flight, in bursts of %d at %g Hz; %d interleaved rounds%s", plan->frames,
              ACCURACY_BURST, ACCURACY_FRAME_HZ, plan->rounds, plan->quick ? "; quick" : "");
     put_sources(page);
@@ -447,7 +470,7 @@ static void put_definitions(const Page *page) {
     fputs(
         "<h2 id=\"words\">What the columns mean</h2>\n"
         "<p>The error of a sample is lambda |P - Q| / |P - e|: P is the sample's exact place, Q the point of the drawn "
-        "surface at the same column and row, e the eye, lambda the pixels a radian at the image's centre. It is taken "
+        "surface at the same column and row, e the eye, lambda the pixels a radian, as told above. It is taken "
         "at every sample of the elevation model, in view or not, by code that shares nothing with the refinement. "
         "A promise is broken when one sample of one frame is above what holds. Popping is the largest change of the "
         "surface, seen from the eye, from one frame to the next one, a sixtieth of a second later. Cracks are "

@@ -26,8 +26,10 @@ MUST_USE Result accuracy_pass_begin(const AccuracyPlan *plan, const AccuracyDem 
                                     uint32_t serial, AccuracyPass *out);
 MUST_USE Result accuracy_pass_refine(AccuracyPass *pass, int pose);
 void accuracy_pass_end(AccuracyPass *pass);
-// Of the items: their pages, and their triangles.
+// Of all triangles, and where their vertices are.
 uint64_t accuracy_cut_hash(const LodCut *cut);
+// Of the items' places, levels and numbers of triangles: so little that it may be taken between timed frames.
+uint64_t accuracy_cut_outline(const LodCut *cut);
 
 // All rounds of one DEM's runs, interleaved.
 MUST_USE Result accuracy_time(Accuracy *accuracy, int dem, Context *context);

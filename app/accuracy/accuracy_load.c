@@ -81,6 +81,40 @@ static Result plan_flights(const AccuracyPlan *plan, AccuracyDem *dem) {
     return result;
 }
 
+// Flights of one name are told apart by a number.
+static void number_names(const AccuracyPlan *plan, AccuracyDem *dem) {
+    for (int i = 1; i < plan->flight_count; i++) {
+        int same = 0;
+        for (int k = 0; k < i; k++)
+            same += strcmp(dem->tracks[k].name, dem->tracks[i].name) == 0;
+        size_t used = strlen(dem->tracks[i].name);
+        used = used < TRACK_NAME_BYTES - 4 ? used : TRACK_NAME_BYTES - 4;
+        if (same)
+            snprintf(dem->tracks[i].name + used, TRACK_NAME_BYTES - used, "-%d", i + 1);
+    }
+}
+
+// Flights of another place measure little: that is said, and refused where no eye is over the model at all.
+static Result judge_places(AccuracyDem *dem) {
+    const World *world = &dem->worlds[0];
+    for (int i = 0; i < dem->pose_count; i++) {
+        const Viewpoint *at = &dem->poses[i].at;
+        double ground_m, h_m = world_ellipsoid_m(world, at->lat_deg, at->lon_deg, at->alt_m);
+        bool over = terrain_ground_m(world->terrain, at->lat_deg, at->lon_deg, &ground_m);
+        dem->off_count += !over;
+        dem->under_count += over && h_m < ground_m;
+    }
+    if (dem->off_count == dem->pose_count) {
+        log_error("bench: no flight comes over %s; expected one of its own: --track valley,ridge,pass,dive,turn",
+                  dem->name);
+        return RESULT_RANGE;
+    }
+    if (dem->off_count || dem->under_count)
+        log_warn("bench: of %d eyes %d are not over %s, and %d are under its ground", dem->pose_count, dem->off_count,
+                 dem->name, dem->under_count);
+    return RESULT_OK;
+}
+
 // Bursts spread over the flight, each of frames that follow one another.
 static Result choose_poses(const AccuracyPlan *plan, AccuracyDem *dem) {
     int bursts = plan->frames / ACCURACY_BURST;
@@ -110,7 +144,11 @@ Result accuracy_load(const AccuracyPlan *plan, int index, AccuracyDem *out) {
         result = time_building(plan, out);
     if (result == RESULT_OK)
         result = plan_flights(plan, out);
-    return result == RESULT_OK ? choose_poses(plan, out) : result;
+    if (result == RESULT_OK)
+        number_names(plan, out);
+    if (result == RESULT_OK)
+        result = choose_poses(plan, out);
+    return result == RESULT_OK ? judge_places(out) : result;
 }
 
 void accuracy_unload(AccuracyDem *dem) {
@@ -118,6 +156,10 @@ void accuracy_unload(AccuracyDem *dem) {
         world_unload(&dem->worlds[kind]);
         dem->worlds[kind] = (World){.jobs = NULL};
     }
+}
+
+double accuracy_px_per_rad(const AccuracyPlan *plan) {
+    return camera_px_per_rad(plan->fov_rad, plan->width, plan->height, scene_bound_corner(plan->options));
 }
 
 LodView accuracy_view(const AccuracyPlan *plan, const AccuracyDem *dem, int pose, double tau_px) {

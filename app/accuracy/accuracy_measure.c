@@ -19,7 +19,8 @@ static Result measure_frame(Measuring *m, const AccuracyPass *pass, AccuracyRun 
     if (plan->tamper)
         plan->tamper(plan->tamper_user, pass->world->terrain, &cut);
     const MeasureMaps maps = {.rise_m = m->rise_m[pose & 1]};
-    run->summary.same_cuts = run->summary.same_cuts && accuracy_cut_hash(&pass->cut) == frame->cut_hash;
+    run->summary.same_cuts = run->summary.same_cuts && accuracy_cut_outline(&pass->cut) == frame->cut_outline;
+    frame->cut_hash = accuracy_cut_hash(&pass->cut);
     frame->reached_px = cut.reached_px;
     frame->promises = cut.promises;
     frame->popping_px = NAN;

@@ -23,14 +23,16 @@
 #define QUICK_HEIGHT 250
 #define CENTRE ":centre"
 
-// The next part of a list separated by commas, of at most size - 1 bytes; false at the end or when it is longer.
+// The next part of a list separated by commas, of at most size - 1 bytes; false when it is longer, or nothing, as
+// before a comma too many.
 static bool next_word(const char **list, char *out, size_t size) {
     size_t length = strcspn(*list, ",");
-    if (length == 0 || length >= size)
+    bool comma = (*list)[length] == ',', more = (*list)[length] && (*list)[length + 1];
+    if (length == 0 || length >= size || (comma && !more))
         return false;
     memcpy(out, *list, length);
     out[length] = '\0';
-    *list += length + ((*list)[length] == ',');
+    *list += length + comma;
     return true;
 }
 
@@ -97,6 +99,14 @@ static Result add_variant(AccuracyPlan *plan, const AccuracyVariant *variant) {
     return RESULT_OK;
 }
 
+// Methods named twice are run once.
+static bool is_planned(const AccuracyPlan *plan, const AccuracyVariant *variant) {
+    for (int i = 0; i < plan->variant_count; i++)
+        if (plan->variants[i].method == variant->method && plan->variants[i].bound == variant->bound)
+            return true;
+    return false;
+}
+
 static Result add_method(AccuracyPlan *plan, const char *name) {
     AccuracyVariant variant = {.bound = scene_lod_options(plan->options).bound};
     size_t length = strlen(name), suffix = strlen(CENTRE);
@@ -110,18 +120,32 @@ static Result add_method(AccuracyPlan *plan, const char *name) {
             continue;
         variant.method = (LodMethod)i;
         snprintf(variant.name, sizeof variant.name, "%s", name);
-        return add_variant(plan, &variant);
+        return is_planned(plan, &variant) ? RESULT_OK : add_variant(plan, &variant);
     }
     return refuse_method(name);
 }
 
-// What the other kinds of errors cost is shown by the first method.
+static bool is_nested(LodMethod method) {
+    return method == LOD_HYBRID || method == LOD_PATCH || method == LOD_ROAM || method == LOD_ROAM_PARALLEL;
+}
+
+int accuracy_variant_of_kind(const AccuracyPlan *plan, int kind) {
+    for (int i = 0; i < plan->variant_count; i++)
+        if (plan->variants[i].kind == kind && is_nested(plan->variants[i].method))
+            return i;
+    return -1;
+}
+
+// What the other kinds of errors cost is shown by the first method that uses them.
 static Result add_kind_variants(AccuracyPlan *plan) {
     Result result = RESULT_OK;
+    int first = accuracy_variant_of_kind(plan, 0);
+    if (first < 0)
+        plan->kind_count = 1;
     for (int kind = 1; kind < plan->kind_count && result == RESULT_OK; kind++) {
-        AccuracyVariant variant = plan->variants[0];
+        AccuracyVariant variant = plan->variants[first];
         variant.kind = kind;
-        snprintf(variant.name, sizeof variant.name, "%.20s, %.20s", plan->variants[0].name, plan->kinds[kind].name);
+        snprintf(variant.name, sizeof variant.name, "%.20s, %.20s", plan->variants[first].name, plan->kinds[kind].name);
         result = add_variant(plan, &variant);
     }
     return result;
@@ -161,7 +185,16 @@ static Result read_taus(AccuracyPlan *plan) {
         plan->tau_px[plan->tau_count++] = tau;
         next = *end ? end + 1 : end;
     }
+    if (list[strlen(list) - 1] == ',') {
+        log_error("--tau: found '%s'; expected a number behind the last comma", list);
+        return RESULT_USAGE;
+    }
     qsort(plan->tau_px, (size_t)plan->tau_count, sizeof *plan->tau_px, compare_numbers);
+    int kept = 1; // those given twice are run once
+    for (int i = 1; i < plan->tau_count; i++)
+        if (plan->tau_px[i] != plan->tau_px[kept - 1])
+            plan->tau_px[kept++] = plan->tau_px[i];
+    plan->tau_count = kept;
     return RESULT_OK;
 }
 
@@ -171,8 +204,12 @@ static Result check_flight(const char *name) {
     TrackKind kind;
     if (track_kind_find(name, &kind))
         return RESULT_OK;
-    if (strpbrk(name, "./")) // a file; whether it is one, track_read tells
-        return RESULT_OK;
+    if (strpbrk(name, "./")) { // a file, which is read again when it is flown
+        Track track = {0};
+        Result result = track_read(name, &track);
+        track_clear(&track);
+        return result;
+    }
     const char *names[TRACK_KIND_COUNT];
     for (int i = 0; i < TRACK_KIND_COUNT; i++)
         names[i] = track_kind_name((TrackKind)i);
@@ -215,7 +252,10 @@ static Result read_dems(AccuracyPlan *plan) {
         plan->dems[i] = options_positionals(plan->options)[i];
     if (plan->dem_count == 0)
         plan->dem_count = 1; // the default scene
-    return RESULT_OK;
+    Result result = RESULT_OK;
+    for (int i = 0; i < plan->dem_count && result == RESULT_OK; i++) // before the first is measured for minutes
+        result = world_check_named(plan->options, plan->dems[i]);
+    return result;
 }
 
 static void read_counts(AccuracyPlan *plan) {
@@ -230,21 +270,33 @@ static void read_counts(AccuracyPlan *plan) {
     plan->width = plan->quick && !sized ? QUICK_WIDTH : (int)size[0];
     plan->height = plan->quick && !sized ? QUICK_HEIGHT : (int)size[1];
     plan->fov_rad = options_number(options, OPTION_FOV) * GEODESY_RAD_PER_DEG;
+    if (options_is_given(options, OPTION_FRAMES) && frames != plan->frames)
+        log_info("--frames %d: %d a flight, in bursts of %d", frames, plan->frames, ACCURACY_BURST);
     if (plan->rounds < ROUNDS_LEAST)
         log_warn("--rounds %d: the spread of fewer than %d rounds says little", plan->rounds, ROUNDS_LEAST);
 }
 
+// Options of the benchmarks of single parts.
+static void warn_of_unused(const Options *options) {
+    static const OptionId unused[] = {OPTION_EYE,   OPTION_LOOK,     OPTION_SPEED,    OPTION_HEIGHT,
+                                      OPTION_SIDES, OPTION_VERTICES, OPTION_TARGET_MS};
+    for (size_t i = 0; i < COUNT_OF(unused); i++)
+        if (options_source(options, unused[i]) == SOURCE_COMMAND_LINE)
+            log_warn("--%s: of one part's benchmark; flights are chosen with --track", option_spec(unused[i])->name);
+}
+
 Result accuracy_plan(const Options *options, AccuracyPlan *out) {
     *out = (AccuracyPlan){.options = options, .quick = options_flag(options, OPTION_BENCH_QUICK)};
-    Result result = read_dems(out);
-    if (result == RESULT_OK)
-        result = read_kinds(out);
+    warn_of_unused(options);
+    Result result = read_kinds(out);
     if (result == RESULT_OK)
         result = read_methods(out);
     if (result == RESULT_OK)
         result = read_taus(out);
     if (result == RESULT_OK)
         result = read_flights(out);
+    if (result == RESULT_OK)
+        result = read_dems(out);
     if (result == RESULT_OK)
         read_counts(out);
     return result;

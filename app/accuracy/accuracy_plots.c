@@ -23,8 +23,19 @@
 
 extern char **environ;
 
-static const char *const OF_DEM[] = {"pareto", "refine", "claimed", "triangles", "bound", "track", "times", "equal"};
-static const char *const OF_ALL[] = {"preprocessing", "workers"};
+typedef struct Plot {
+    const char *name, *what;
+} Plot;
+static const Plot OF_DEM[] = {{"pareto", "measured error against frame time"},
+                              {"refine", "measured error against the time of refinement"},
+                              {"claimed", "claimed error against measured error"},
+                              {"triangles", "triangles against the tolerance"},
+                              {"bound", "measured error against triangles, by kind of vertex errors"},
+                              {"track", "error and frame time along the flights"},
+                              {"times", "distribution of frame times"},
+                              {"equal", "frame time at equal measured error"}};
+static const Plot OF_ALL[] = {{"preprocessing", "time of building the errors against the size"},
+                              {"workers", "gain by workers"}};
 
 // A style sheet gives the two colours of the script what the reader's theme asks for.
 static const char STYLE[] = "<style>"
@@ -35,17 +46,25 @@ static const char STYLE[] = "<style>"
                             "[stroke='rgb(101,  67,  33)']{stroke:#343c43}}"
                             "</style>";
 
-void accuracy_stem(const Accuracy *accuracy, int dem, char out[64]) {
+static void plain_stem(const Accuracy *accuracy, int dem, char out[64]) {
     const char *name = accuracy->dems[dem].name, *dot = strrchr(name, '.');
     size_t length = dot && dot > name ? (size_t)(dot - name) : strlen(name), used = 0;
     for (size_t i = 0; i < length && used < 56; i++)
         out[used++] = isalnum((unsigned char)name[i]) || name[i] == '-' ? name[i] : '_';
     out[used] = '\0';
-    for (int i = 0; i < dem; i++)
-        if (strcmp(accuracy->dems[i].name, name) == 0) {
-            snprintf(out + used, 64 - used, "-%c", (char)('1' + dem));
-            return;
-        }
+}
+
+void accuracy_stem(const Accuracy *accuracy, int dem, char out[64]) {
+    plain_stem(accuracy, dem, out);
+    for (int i = 0; i < accuracy->plan.dem_count; i++) {
+        char other[64];
+        plain_stem(accuracy, i, other);
+        if (i == dem || strcmp(other, out) != 0)
+            continue;
+        size_t used = strlen(out);
+        snprintf(out + used, 64 - used, "_%c", (char)('1' + dem)); // a '_' before a digit: no other DEM's own
+        return;
+    }
 }
 
 int accuracy_tau_shown(const Accuracy *accuracy) {
@@ -58,28 +77,51 @@ int accuracy_tau_shown(const Accuracy *accuracy) {
 
 // ---- data ----
 
-static void put_names(const Accuracy *accuracy, FILE *to) {
-    const AccuracyPlan *plan = &accuracy->plan;
-    fprintf(to, "DEMS = %d\nVARIANTS = %d\nSOFTWARE = %d\nTAU_SHOWN = %g\nFLIGHTS = \"", plan->dem_count,
-            plan->variant_count, accuracy->software, plan->tau_px[accuracy_tau_shown(accuracy)]);
-    for (int i = 0; i < plan->flight_count; i++)
-        fprintf(to, "%s%s", i ? ", " : "", accuracy->dems[0].tracks[i].name);
-    fprintf(to, "\"\narray NAME[%d]\narray KIND[%d]\narray DEM[%d]\narray STEM[%d]\n", plan->variant_count,
-            plan->variant_count, plan->dem_count, plan->dem_count);
-    for (int i = 0; i < plan->variant_count; i++)
-        fprintf(to, "NAME[%d] = \"%s\"\nKIND[%d] = %d\n", i + 1, plan->variants[i].name, i + 1, plan->variants[i].kind);
+// For gnuplot: nothing in it is a command.
+static void put_string(const char *text, FILE *to) {
+    fputc('\'', to);
+    for (; *text; text++)
+        fprintf(to, *text == '\'' ? "\'\'" : "%c", iscntrl((unsigned char)*text) ? '?' : *text);
+    fputc('\'', to);
+}
+
+static void put_entry(const char *array, int index, const char *text, FILE *to) {
+    fprintf(to, "%s[%d] = ", array, index);
+    put_string(text, to);
+    fputc('\n', to);
+}
+
+// The tolerances; and the lines of the first method with each kind of errors.
+static void put_taus(const AccuracyPlan *plan, FILE *to) {
     fprintf(to, "TAUS = %d\narray TAU[%d]\n", plan->tau_count, plan->tau_count);
     for (int i = 0; i < plan->tau_count; i++)
         fprintf(to, "TAU[%d] = %g\n", i + 1, plan->tau_px[i]);
-    fprintf(to, "BOUNDS = %d\narray BOUND[%d]\n", plan->kind_count, plan->kind_count);
-    for (int i = 0, bound = 0; i < plan->variant_count; i++)
-        if (i == 0 || plan->variants[i].kind > 0) // the first method with each kind of errors
-            fprintf(to, "BOUND[%d] = %d\n", ++bound, i + 1);
+    int bounds = accuracy_variant_of_kind(plan, 0) < 0 ? 0 : plan->kind_count;
+    fprintf(to, "BOUNDS = %d\narray BOUND[%d]\n", bounds, bounds + 1);
+    for (int kind = 0; kind < bounds; kind++)
+        fprintf(to, "BOUND[%d] = %d\n", kind + 1, accuracy_variant_of_kind(plan, kind) + 1);
+}
+
+static void put_names(const Accuracy *accuracy, FILE *to) {
+    const AccuracyPlan *plan = &accuracy->plan;
+    fprintf(to, "DEMS = %d\nVARIANTS = %d\nSOFTWARE = %d\nTAU_SHOWN = %g\nFLIGHTS = %d\nFRAMES = %d\n", plan->dem_count,
+            plan->variant_count, accuracy->software, plan->tau_px[accuracy_tau_shown(accuracy)], plan->flight_count,
+            plan->frames);
+    fprintf(to, "array NAME[%d]\narray KIND[%d]\narray DEM[%d]\narray STEM[%d]\narray FLIGHT[%d]\n",
+            plan->variant_count, plan->variant_count, plan->dem_count, plan->dem_count, plan->flight_count);
+    for (int i = 0; i < plan->flight_count; i++)
+        put_entry("FLIGHT", i + 1, accuracy->dems[0].tracks[i].name, to);
+    for (int i = 0; i < plan->variant_count; i++) {
+        put_entry("NAME", i + 1, plan->variants[i].name, to);
+        fprintf(to, "KIND[%d] = %d\n", i + 1, plan->variants[i].kind);
+    }
     for (int i = 0; i < plan->dem_count; i++) {
         char stem[64];
         accuracy_stem(accuracy, i, stem);
-        fprintf(to, "DEM[%d] = \"%s\"\nSTEM[%d] = \"%s\"\n", i + 1, stem, i + 1, stem);
+        put_entry("DEM", i + 1, stem, to);
+        put_entry("STEM", i + 1, stem, to);
     }
+    put_taus(plan, to);
 }
 
 static void put_number(double value, FILE *to) {
@@ -95,13 +137,53 @@ static void put_runs(const Accuracy *accuracy, FILE *to) {
     for (int i = 0; i < accuracy->run_count; i++) {
         const AccuracyRun *run = &accuracy->runs[i];
         const AccuracySummary *s = &run->summary;
-        const double numbers[] = {run->tau_px,           s->reached_px,        s->max_px,         s->frame_ms.p50,
-                                  s->round_p50_least_ms, s->round_p50_most_ms, s->triangles_mean, s->refine_ms.p50};
+        const double numbers[] = {run->tau_px,         s->reached_px,     s->max_px,         s->frame_ms.p50,
+                                  s->frame_p50.least,  s->frame_p50.most, s->triangles_mean, s->update_ms.p50,
+                                  s->update_p50.least, s->update_p50.most};
         for (size_t k = 0; k < COUNT_OF(numbers); k++)
             put_number(numbers[k], to);
         fputs((i + 1) % plan->tau_count == 0 ? "\n" BLOCK_END : "\n", to);
     }
     fputs("EOD\n", to);
+}
+
+// Whether nothing is both as accurate and as fast, and better in one of them.
+static bool is_on_front(const Accuracy *accuracy, const AccuracyRun *run) {
+    const AccuracySummary *s = &run->summary;
+    for (int i = 0; i < accuracy->run_count; i++) {
+        const AccuracySummary *o = &accuracy->runs[i].summary;
+        bool as_good = o->max_px <= s->max_px && o->frame_ms.p50 <= s->frame_ms.p50;
+        bool better = o->max_px < s->max_px || o->frame_ms.p50 < s->frame_ms.p50;
+        if (accuracy->runs[i].dem == run->dem && as_good && better)
+            return false;
+    }
+    return true;
+}
+
+static int by_error(const void *a, const void *b) {
+    double x = (*(const AccuracyRun *const *)a)->summary.max_px, y = (*(const AccuracyRun *const *)b)->summary.max_px;
+    return (x > y) - (x < y);
+}
+
+// The Pareto front of each DEM.
+static Result put_front(const Accuracy *accuracy, FILE *to) {
+    const AccuracyRun **front = malloc(sizeof(const AccuracyRun *) * (size_t)accuracy->run_count);
+    if (!front)
+        return RESULT_MEMORY;
+    fputs("$front << EOD\n", to);
+    for (int dem = 0; dem < accuracy->plan.dem_count; dem++) {
+        int count = 0;
+        for (int i = 0; i < accuracy->run_count; i++)
+            if (accuracy->runs[i].dem == dem && is_on_front(accuracy, &accuracy->runs[i]))
+                front[count++] = &accuracy->runs[i];
+        qsort(front, (size_t)count, sizeof *front, by_error);
+        for (int i = 0; i < count; i++)
+            fprintf(to, "%.9g %.9g\n", front[i]->summary.max_px, front[i]->summary.frame_ms.p50);
+        fputs(BLOCK_END, to);
+    }
+    fputs("EOD\n", to);
+    free(front);
+    return RESULT_OK;
 }
 
 static void put_track(const Accuracy *accuracy, FILE *to) {
@@ -173,20 +255,46 @@ static void put_equal(const Accuracy *accuracy, FILE *to) {
     fputs("EOD\n", to);
 }
 
+// Building errors of a kind over the largest ground, as many times as fast as one thread builds them.
+static void put_building(const PreprocessBench *bench, const PreprocessRun *single, FILE *to) {
+    for (int i = 0; i < bench->run_count; i++) {
+        const PreprocessRun *run = &bench->runs[i];
+        if (run->kind == single->kind && run->stride == single->stride && run->scheme == ERROR_SCHEME_PARALLEL &&
+            run->side == single->side)
+            fprintf(to, "%d %.6g\n", run->threads, preprocess_median(bench, single) / preprocess_median(bench, run));
+    }
+    fputs(BLOCK_END, to);
+}
+
+static bool is_single(const PreprocessBench *bench, const PreprocessRun *run) {
+    return run->threads == 1 && run->scheme == ERROR_SCHEME_PARALLEL &&
+           run->side == bench->sides[bench->side_count - 1];
+}
+
+// Gains by workers: refinement by method, then building by kind.
 static void put_workers(const AccuracyScaling *scaling, FILE *to) {
-    int methods = 0;
+    const PreprocessBench *bench = &scaling->preprocess;
+    int lines = 0;
+    fprintf(to, "array METHOD[%d]\n", scaling->speed_count + bench->run_count + 1);
     for (int i = 0; i < scaling->speed_count; i++)
-        methods += scaling->speeds[i].threads == 1;
-    fprintf(to, "METHODS = %d\narray METHOD[%d]\n", methods, methods > 0 ? methods : 1);
-    for (int i = 0, method = 0; i < scaling->speed_count; i++)
         if (scaling->speeds[i].threads == 1)
-            fprintf(to, "METHOD[%d] = \"%s\"\n", ++method, lod_method_name(scaling->speeds[i].method));
-    fputs("$workers << EOD\n", to);
+            put_entry("METHOD", ++lines, lod_method_name(scaling->speeds[i].method), to);
+    for (int i = 0; i < bench->run_count; i++)
+        if (is_single(bench, &bench->runs[i])) {
+            char kind[PREPROCESS_NAME_BYTES];
+            preprocess_kind_name(&bench->runs[i], kind);
+            fprintf(to, "METHOD[%d] = 'building %s'\n", ++lines, kind);
+        }
+    fprintf(to, "METHODS = %d\n$workers << EOD\n", lines);
     for (int i = 0; i < scaling->speed_count; i++) {
         if (i > 0 && scaling->speeds[i].threads == 1)
             fputs(BLOCK_END, to);
         fprintf(to, "%d %.6g\n", scaling->speeds[i].threads, scaling->speeds[i].speedup);
     }
+    fputs(BLOCK_END, to);
+    for (int i = 0; i < bench->run_count; i++)
+        if (is_single(bench, &bench->runs[i]))
+            put_building(bench, &bench->runs[i], to);
     fputs("EOD\n", to);
 }
 
@@ -221,7 +329,7 @@ static void put_sizes(const PreprocessBench *bench, FILE *to) {
         if (begins_line(bench, i)) {
             char kind[PREPROCESS_NAME_BYTES];
             preprocess_kind_name(&bench->runs[i], kind);
-            fprintf(to, "SIZE[%d] = \"%s, %s, %d\"\n", ++lines, kind, preprocess_scheme_name(&bench->runs[i]),
+            fprintf(to, "SIZE[%d] = '%s, %s, %d'\n", ++lines, kind, preprocess_scheme_name(&bench->runs[i]),
                     bench->runs[i].threads);
         }
     fprintf(to, "SIZES = %d\n$sizes << EOD\n", lines);
@@ -261,6 +369,8 @@ static Result write_script(const Accuracy *accuracy, const char *folder) {
     put_runs(accuracy, to);
     put_track(accuracy, to);
     Result result = put_times(accuracy, to);
+    if (result == RESULT_OK)
+        result = put_front(accuracy, to);
     put_equal(accuracy, to);
     put_workers(&accuracy->scaling, to);
     put_sizes(&accuracy->scaling.preprocess, to);
@@ -380,11 +490,16 @@ void accuracy_plot_name(const Accuracy *accuracy, int plot, char out[ACCURACY_PL
     int of_dems = (int)COUNT_OF(OF_DEM) * accuracy->plan.dem_count;
     char stem[64];
     if (plot >= of_dems) {
-        snprintf(out, ACCURACY_PLOT_BYTES, "%s.svg", OF_ALL[plot - of_dems]);
+        snprintf(out, ACCURACY_PLOT_BYTES, "%s.svg", OF_ALL[plot - of_dems].name);
         return;
     }
     accuracy_stem(accuracy, plot / (int)COUNT_OF(OF_DEM), stem);
-    snprintf(out, ACCURACY_PLOT_BYTES, "%s-%s.svg", OF_DEM[plot % (int)COUNT_OF(OF_DEM)], stem);
+    snprintf(out, ACCURACY_PLOT_BYTES, "%s-%s.svg", OF_DEM[plot % (int)COUNT_OF(OF_DEM)].name, stem);
+}
+
+const char *accuracy_plot_what(const Accuracy *accuracy, int plot) {
+    int of_dems = (int)COUNT_OF(OF_DEM) * accuracy->plan.dem_count;
+    return plot >= of_dems ? OF_ALL[plot - of_dems].what : OF_DEM[plot % (int)COUNT_OF(OF_DEM)].what;
 }
 
 Result accuracy_write_plots(const Accuracy *accuracy, const char *folder) {

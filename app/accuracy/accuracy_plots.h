@@ -13,9 +13,11 @@ MUST_USE Result accuracy_write_plots(const Accuracy *accuracy, const char *folde
 // Their names, "pareto-tatra.svg"; those of one DEM one after another, then those of all.
 int accuracy_plot_count(const Accuracy *accuracy);
 int accuracy_plots_of_dem(void);
+const char *accuracy_plot_what(const Accuracy *accuracy, int plot); // in words
 void accuracy_plot_name(const Accuracy *accuracy, int plot, char out[ACCURACY_PLOT_BYTES]);
 
-// The DEM's name without its ending, of letters, digits, '-' and '_' only; different for each.
+// The DEM's name without its ending, of letters, digits, '-' and '_' only; with a number behind it where two are the
+// same.
 void accuracy_stem(const Accuracy *accuracy, int dem, char out[64]);
 // The tolerance whose frames are shown one by one: the one nearest to a pixel.
 int accuracy_tau_shown(const Accuracy *accuracy);

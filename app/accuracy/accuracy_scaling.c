@@ -10,6 +10,7 @@
 
 #define VIEWS_MAX 8
 #define TAU_PX 1.0
+#define STRIDE 8
 #define FRAME_BLOCK_BYTES (1 << 20)
 
 static const LodMethod METHODS[] = {LOD_HYBRID, LOD_ROAM_PARALLEL, LOD_DIAMOND};
@@ -114,12 +115,20 @@ static Result count(Scaling *s) {
     return RESULT_OK;
 }
 
+// The bounded kind that is flown, too.
+static int stride_of(const AccuracyPlan *plan) {
+    for (int i = 0; i < plan->kind_count; i++)
+        if (plan->kinds[i].terrain.error_stride)
+            return plan->kinds[i].terrain.error_stride;
+    return STRIDE;
+}
+
 static Result preprocess(Scaling *s) {
     static const int full[] = {513, 1025, 2049}, quick[] = {257, 513};
     const int *sides = s->plan->quick ? quick : full;
     int count = s->plan->quick ? (int)COUNT_OF(quick) : (int)COUNT_OF(full);
     return preprocess_measure(sides, count, s->plan->rounds, jobs_worker_count(s->dem->worlds[0].jobs),
-                              &s->out->preprocess);
+                              stride_of(s->plan), &s->out->preprocess);
 }
 
 static void choose_views(Scaling *s) {

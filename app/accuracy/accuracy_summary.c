@@ -1,11 +1,8 @@
 #include "app/accuracy/accuracy_internal.h"
-#include "base/statistics.h"
 
 #include <math.h>
-#include <stdlib.h>
 
-#define ROUNDS_MAX 1000 // as --rounds has it
-#define LEAST 1e-6      // ms: for logarithms of what took no time
+#define LEAST 1e-6 // ms: for logarithms of what took no time
 
 static int runs_of_dem(const Accuracy *accuracy) {
     return accuracy->plan.variant_count * accuracy->plan.tau_count;
@@ -23,135 +20,18 @@ int accuracy_jump_free(const Accuracy *accuracy, int dem) {
     return count;
 }
 
-// ---- times ----
-
-typedef double Figure(const AccuracyTimes *times);
-static double select_of(const AccuracyTimes *t) {
-    return t->select_ms;
-}
-static double refine_of(const AccuracyTimes *t) {
-    return t->refine_ms;
-}
-static double upload_of(const AccuracyTimes *t) {
-    return t->upload_ms;
-}
-static double draw_of(const AccuracyTimes *t) {
-    return t->draw_ms;
-}
-static double frame_of(const AccuracyTimes *t) {
-    return t->frame_ms;
-}
-static double update_of(const AccuracyTimes *t) {
-    return t->select_ms + t->refine_ms;
-}
-
-// Of one frame over the rounds: sorted into `values`.
-static void sort_rounds(const AccuracyTimes *times, int rounds, int poses, Figure *figure, double *values) {
-    for (int round = 0; round < rounds; round++)
-        values[round] = figure(&times[(size_t)round * (size_t)poses]);
-    statistics_sort(values, rounds);
-}
-
-static double median_of(const AccuracyTimes *times, int rounds, int poses, Figure *figure) {
-    double values[ROUNDS_MAX];
-    sort_rounds(times, rounds, poses, figure, values);
-    return statistics_percentile(values, rounds, 0.5);
-}
-
-static void summarize_frame(const AccuracyTimes *times, int rounds, int poses, AccuracyFrame *frame) {
-    double values[ROUNDS_MAX];
-    frame->median = (AccuracyTimes){.select_ms = median_of(times, rounds, poses, select_of),
-                                    .refine_ms = median_of(times, rounds, poses, refine_of),
-                                    .upload_ms = median_of(times, rounds, poses, upload_of),
-                                    .draw_ms = median_of(times, rounds, poses, draw_of)};
-    sort_rounds(times, rounds, poses, frame_of, values);
-    frame->median.frame_ms = statistics_percentile(values, rounds, 0.5);
-    frame->frame_least_ms = values[0];
-    frame->frame_most_ms = values[rounds - 1];
-}
-
-// Of the frames that do not jump, what `times` has for them, `stride` bytes apart: sorted into `values`.
-static int sort_frames(const AccuracyDem *dem, const AccuracyTimes *times, size_t stride, Figure *figure,
-                       double *values) {
-    int count = 0;
-    for (int pose = 0; pose < dem->pose_count; pose++)
-        if (!dem->poses[pose].jump)
-            values[count++] = figure((const AccuracyTimes *)((const char *)times + (size_t)pose * stride));
-    statistics_sort(values, count);
-    return count;
-}
-
-static AccuracyPercentiles percentiles_of(const AccuracyDem *dem, const AccuracyRun *run, Figure *figure,
-                                          double *values) {
-    int count = sort_frames(dem, &run->frames[0].median, sizeof run->frames[0], figure, values);
-    return (AccuracyPercentiles){statistics_percentile(values, count, 0.50), statistics_percentile(values, count, 0.95),
-                                 statistics_percentile(values, count, 0.99), statistics_percentile(values, count, 1.0)};
-}
-
-static void add_times(AccuracyTimes *sum, const AccuracyTimes *times, double share) {
-    sum->select_ms += share * times->select_ms;
-    sum->refine_ms += share * times->refine_ms;
-    sum->upload_ms += share * times->upload_ms;
-    sum->draw_ms += share * times->draw_ms;
-    sum->frame_ms += share * times->frame_ms;
-}
-
-static void summarize_counts(const AccuracyDem *dem, AccuracyRun *run, int counted) {
-    AccuracySummary *s = &run->summary;
-    for (int pose = 0; pose < dem->pose_count; pose++) {
-        const AccuracyFrame *frame = &run->frames[pose];
-        s->triangles_mean += (double)frame->triangles / dem->pose_count;
-        s->vram_bytes = frame->vram_bytes > s->vram_bytes ? frame->vram_bytes : s->vram_bytes;
-        s->memory_bytes = frame->memory_bytes > s->memory_bytes ? frame->memory_bytes : s->memory_bytes;
-        if (dem->poses[pose].jump)
-            continue;
-        s->rebuilt_share += frame->rebuilt_share / counted;
-        s->upload_bytes_mean += (double)frame->upload_bytes / counted;
-        add_times(&s->mean, &frame->median, 1.0 / counted);
-    }
-}
-
-static void summarize_rounds(const AccuracyDem *dem, const AccuracyTimes *times, int rounds, double *values,
-                             AccuracySummary *s) {
-    s->round_p50_least_ms = INFINITY;
-    for (int round = 0; round < rounds; round++) {
-        const AccuracyTimes *of_round = times + (size_t)round * (size_t)dem->pose_count;
-        int count = sort_frames(dem, of_round, sizeof *of_round, frame_of, values);
-        double p50 = statistics_percentile(values, count, 0.5);
-        s->round_p50_least_ms = fmin(s->round_p50_least_ms, p50);
-        s->round_p50_most_ms = fmax(s->round_p50_most_ms, p50);
-    }
-}
-
-Result accuracy_summarize_times(Accuracy *accuracy, int dem, const AccuracyTimes *times) {
-    const AccuracyDem *d = &accuracy->dems[dem];
-    int rounds = accuracy->plan.rounds;
-    double *values = malloc(sizeof *values * (size_t)d->pose_count);
-    if (!values)
-        return RESULT_MEMORY;
-    for (int i = 0; i < runs_of_dem(accuracy); i++) {
-        AccuracyRun *run = &accuracy->runs[dem * runs_of_dem(accuracy) + i];
-        const AccuracyTimes *of_run = times + (size_t)i * (size_t)rounds * (size_t)d->pose_count;
-        for (int pose = 0; pose < d->pose_count; pose++)
-            summarize_frame(of_run + pose, rounds, d->pose_count, &run->frames[pose]);
-        summarize_counts(d, run, accuracy_jump_free(accuracy, dem));
-        summarize_rounds(d, of_run, rounds, values, &run->summary);
-        run->summary.frame_ms = percentiles_of(d, run, frame_of, values);
-        run->summary.refine_ms = percentiles_of(d, run, update_of, values);
-    }
-    free(values);
-    return RESULT_OK;
-}
-
 // ---- errors ----
 
 static bool is_whole(const Measure *m) {
     return !m->t_junctions && !m->holes && !m->overlaps;
 }
 
-// How much of what was tolerated is used up; infinite where the surface is not whole.
+static double used_share(const AccuracyFrame *frame) {
+    return frame->measure.max_px / frame->reached_px;
+}
+
 double accuracy_badness(const AccuracyFrame *frame) {
-    return is_whole(&frame->measure) ? frame->measure.max_px / frame->reached_px : INFINITY;
+    return is_whole(&frame->measure) ? used_share(frame) : INFINITY;
 }
 
 static void add_errors(AccuracySummary *s, const AccuracyFrame *frame, int frames) {
@@ -178,6 +58,8 @@ static void summarize_run(const AccuracyDem *dem, AccuracyRun *run) {
         add_errors(s, &run->frames[pose], dem->pose_count);
         if (accuracy_badness(&run->frames[pose]) > accuracy_badness(&run->frames[s->worst_frame]))
             s->worst_frame = pose;
+        if (used_share(&run->frames[pose]) > used_share(&run->frames[s->worst_error]))
+            s->worst_error = pose;
     }
     s->rms_px = sqrt(s->rms_px);
 }
@@ -187,11 +69,12 @@ void accuracy_summarize_errors(Accuracy *accuracy, int dem) {
         summarize_run(&accuracy->dems[dem], &accuracy->runs[dem * runs_of_dem(accuracy) + i]);
 }
 
-// What is condemned: a promise that was not kept, and a surface that is not whole, promised or not.
+// What is condemned: a promise that was not kept, a surface that is not whole, promised or not, and times of other
+// cuts.
 bool accuracy_run_holds(const AccuracyRun *run) {
     const AccuracySummary *s = &run->summary;
     bool whole = !s->t_junctions && !s->holes && !s->overlaps;
-    return whole && (s->held || !s->promised);
+    return whole && s->same_cuts && (s->held || !s->promised);
 }
 
 bool accuracy_holds(const Accuracy *accuracy) {
@@ -214,9 +97,11 @@ AccuracyCost accuracy_cost_at(const Accuracy *accuracy, int dem, int variant, do
         if (!(a->max_px > 0.0 && a->max_px <= measured_px && measured_px <= b->max_px && a->max_px < b->max_px))
             continue;
         double share = log(measured_px / a->max_px) / log(b->max_px / a->max_px);
-        return (AccuracyCost){between(a->frame_ms.p50, b->frame_ms.p50, share),
-                              between(a->refine_ms.p50, b->refine_ms.p50, share),
-                              between(a->triangles_mean, b->triangles_mean, share)};
+        return (AccuracyCost){.frame_ms = between(a->frame_ms.p50, b->frame_ms.p50, share),
+                              .frame_least_ms = between(a->frame_p50.least, b->frame_p50.least, share),
+                              .frame_most_ms = between(a->frame_p50.most, b->frame_p50.most, share),
+                              .update_ms = between(a->update_ms.p50, b->update_ms.p50, share),
+                              .triangles = between(a->triangles_mean, b->triangles_mean, share)};
     }
-    return (AccuracyCost){NAN, NAN, NAN};
+    return (AccuracyCost){NAN, NAN, NAN, NAN, NAN};
 }

@@ -10,7 +10,7 @@ static int64_t cracks_of(const AccuracySummary *s) {
 void accuracy_fault(const Accuracy *accuracy, const AccuracyRun *run, char out[ACCURACY_TEXT_BYTES]) {
     const AccuracySummary *s = &run->summary;
     const AccuracyVariant *variant = &accuracy->plan.variants[run->variant];
-    const AccuracyFrame *frame = &run->frames[s->worst_frame];
+    const AccuracyFrame *frame = &run->frames[s->worst_error];
     out[0] = '\0';
     if (accuracy_run_holds(run))
         return;
@@ -21,24 +21,27 @@ void accuracy_fault(const Accuracy *accuracy, const AccuracyRun *run, char out[A
                          ": %" PRId64 " T-junctions, %" PRId64 " holes, %" PRId64 " overlaps", s->t_junctions, s->holes,
                          s->overlaps);
     if (s->promised && !(frame->measure.max_px <= frame->reached_px))
-        snprintf(out + used, (size_t)(ACCURACY_TEXT_BYTES - used),
-                 "%s %.4g px measured where at most %.4g were promised", cracks_of(s) ? ";" : ":",
-                 frame->measure.max_px, frame->reached_px);
+        used += snprintf(out + used, (size_t)(ACCURACY_TEXT_BYTES - used),
+                         "%s %.4g px measured where at most %.4g were promised", cracks_of(s) ? ";" : ":",
+                         frame->measure.max_px, frame->reached_px);
+    if (!s->same_cuts)
+        snprintf(out + used, (size_t)(ACCURACY_TEXT_BYTES - used), ": other cuts were timed than measured");
 }
 
 typedef struct Tally {
-    int promised, held, cracked;
-    double most; // of what was tolerated, in the runs that promise
+    int promised, held, cracked, untrue; // untrue: timed were others than measured
+    double most;                         // of what was tolerated, in the runs that promise
 } Tally;
 
 static Tally tally_of(const Accuracy *accuracy) {
     Tally tally = {0};
     for (int i = 0; i < accuracy->run_count; i++) {
         const AccuracyRun *run = &accuracy->runs[i];
-        const AccuracyFrame *frame = &run->frames[run->summary.worst_frame];
+        const AccuracyFrame *frame = &run->frames[run->summary.worst_error];
         tally.promised += run->summary.promised;
         tally.held += run->summary.promised && accuracy_run_holds(run);
         tally.cracked += cracks_of(&run->summary) > 0;
+        tally.untrue += !run->summary.same_cuts;
         if (run->summary.promised)
             tally.most = fmax(tally.most, frame->measure.max_px / frame->reached_px);
     }
@@ -57,8 +60,14 @@ void accuracy_verdict(const Accuracy *accuracy, char out[ACCURACY_TEXT_BYTES]) {
     if (!accuracy_holds(accuracy))
         snprintf(out, ACCURACY_TEXT_BYTES,
                  "BROKEN: %d of %d runs that promise a bound kept it; %d of %d runs had cracks, in %" PRId64
+                 " frames measured at every sample%s.",
+                 tally.held, tally.promised, tally.cracked, accuracy->run_count, frames_of(accuracy),
+                 tally.untrue ? "; some were timed over other cuts than measured" : "");
+    else if (tally.promised == 0)
+        snprintf(out, ACCURACY_TEXT_BYTES,
+                 "Nothing was promised: none of the %d runs has a bound; no surface had a crack, in %" PRId64
                  " frames measured at every sample.",
-                 tally.held, tally.promised, tally.cracked, accuracy->run_count, frames_of(accuracy));
+                 accuracy->run_count, frames_of(accuracy));
     else
         snprintf(out, ACCURACY_TEXT_BYTES,
                  "Every promise held: all %d runs that promise a bound kept it, using up at most %.2f %% of it, and no "
@@ -74,7 +83,7 @@ static void write_run(const Accuracy *accuracy, const AccuracyRun *run, FILE *to
             !accuracy_run_holds(run) ? "BROKEN"
             : s->promised            ? "held"
                                      : "none",
-            s->popping_px, cracks_of(s), s->triangles_mean, 100.0 * s->rebuilt_share, s->refine_ms.p50, s->frame_ms.p50,
+            s->popping_px, cracks_of(s), s->triangles_mean, 100.0 * s->rebuilt_share, s->update_ms.p50, s->frame_ms.p50,
             s->frame_ms.p99);
 }
 

@@ -26,13 +26,13 @@ static Result draw(const AccuracyPass *pass, Renderer *renderer, int pose, Rende
 // What is not a time is kept in the first round, and compared in the others.
 static void keep_counts(const AccuracyPass *pass, const RenderStats *stats, int round, AccuracyRun *run, int pose) {
     AccuracyFrame *frame = &run->frames[pose];
-    uint64_t hash = accuracy_cut_hash(&pass->cut);
+    uint64_t outline = accuracy_cut_outline(&pass->cut);
     if (round > 0) {
-        run->summary.same_cuts = run->summary.same_cuts && hash == frame->cut_hash;
+        run->summary.same_cuts = run->summary.same_cuts && outline == frame->cut_outline;
         return;
     }
     const LodStats *lod = &pass->cut.stats;
-    frame->cut_hash = hash;
+    frame->cut_outline = outline;
     frame->triangles = lod->triangles;
     frame->patches = lod->patches;
     frame->vertices = lod->vertices;

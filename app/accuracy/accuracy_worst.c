@@ -4,16 +4,18 @@
 #include <math.h>
 #include <stdlib.h>
 
-// A broken promise before any that was kept; else how near it came.
+static int rank_of(const AccuracyRun *run) {
+    return !accuracy_run_holds(run) ? 2 : run->summary.promised ? 1 : 0;
+}
+
+// A broken promise before any that was kept, and that before none; else how near it came.
 static bool is_worse(const Accuracy *accuracy, const AccuracyRun *run) {
     const AccuracyWorst *worst = &accuracy->worst;
-    if (accuracy_run_holds(run) && !run->summary.promised)
-        return false;
     if (worst->run < 0)
         return true;
     const AccuracyRun *other = &accuracy->runs[worst->run];
-    if (accuracy_run_holds(run) != accuracy_run_holds(other))
-        return !accuracy_run_holds(run);
+    if (rank_of(run) != rank_of(other))
+        return rank_of(run) > rank_of(other);
     return accuracy_badness(&run->frames[run->summary.worst_frame]) > accuracy_badness(&other->frames[worst->frame]);
 }
 

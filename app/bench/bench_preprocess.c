@@ -8,13 +8,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#define STRIDE 4 // of the bounded kind
-
-static const struct {
-    TerrainErrorKind kind;
-    int stride;
-} KINDS[] = {{TERRAIN_ERROR_MIDPOINT, 0}, {TERRAIN_ERROR_TOTAL, STRIDE}, {TERRAIN_ERROR_TOTAL, 0}};
-
 void preprocess_kind_name(const PreprocessRun *run, char out[PREPROCESS_NAME_BYTES]) {
     if (run->stride)
         snprintf(out, PREPROCESS_NAME_BYTES, "total:%d", run->stride);
@@ -49,10 +42,14 @@ static Result add_run(PreprocessBench *bench, const PreprocessRun *form) {
     return run->ns_per_vertex ? RESULT_OK : RESULT_MEMORY;
 }
 
-static Result plan_side(PreprocessBench *bench, int side) {
+static Result plan_side(PreprocessBench *bench, int side, int stride) {
+    const struct {
+        TerrainErrorKind kind;
+        int stride;
+    } kinds[] = {{TERRAIN_ERROR_MIDPOINT, 0}, {TERRAIN_ERROR_TOTAL, stride}, {TERRAIN_ERROR_TOTAL, 0}};
     Result result = RESULT_OK;
-    for (size_t i = 0; i < COUNT_OF(KINDS) && result == RESULT_OK; i++) {
-        PreprocessRun run = {.kind = KINDS[i].kind, .stride = KINDS[i].stride, .side = side, .threads = 1};
+    for (size_t i = 0; i < COUNT_OF(kinds) && result == RESULT_OK; i++) {
+        PreprocessRun run = {.kind = kinds[i].kind, .stride = kinds[i].stride, .side = side, .threads = 1};
         run.scheme = ERROR_SCHEME_RECURSIVE;
         result = add_run(bench, &run);
         run.scheme = ERROR_SCHEME_PARALLEL;
@@ -133,9 +130,9 @@ static Result time_side(PreprocessBench *bench, int side, const Ground *ground) 
     return result;
 }
 
-static Result measure_side(PreprocessBench *bench, int side) {
+static Result measure_side(PreprocessBench *bench, int side, int stride) {
     Ground ground;
-    Result result = plan_side(bench, side);
+    Result result = plan_side(bench, side, stride);
     if (result != RESULT_OK)
         return result;
     result = ground_begin(side, &ground);
@@ -157,12 +154,12 @@ static Result count_threads(int threads, int *out) {
     return result;
 }
 
-Result preprocess_measure(const int *sides, int side_count, int rounds, int threads, PreprocessBench *out) {
+Result preprocess_measure(const int *sides, int side_count, int rounds, int threads, int stride, PreprocessBench *out) {
     *out = (PreprocessBench){.rounds = rounds, .side_count = side_count};
     Result result = count_threads(threads, &out->threads);
     for (int i = 0; i < side_count && result == RESULT_OK; i++) {
         out->sides[i] = sides[i];
-        result = measure_side(out, sides[i]);
+        result = measure_side(out, sides[i], stride);
     }
     for (int i = 0; i < out->run_count && result == RESULT_OK; i++)
         statistics_sort(out->runs[i].ns_per_vertex, rounds);

@@ -26,10 +26,12 @@ typedef struct PreprocessBench {
     int run_count;
 } PreprocessBench;
 
-// Both kinds of errors and a bounded one, the recursive scheme with one thread and the parallel one with 1, 2, 3, 4, 8,
+// Both kinds of errors and the one that is bounded above `stride`, the recursive scheme with one thread and the
+// parallel one with 1, 2, 3, 4, 8,
 // ... `threads` (0: one per processor). The rounds are interleaved: each computes every kind once, so that a busy
 // machine harms all alike. MEMORY; logged.
-MUST_USE Result preprocess_measure(const int *sides, int side_count, int rounds, int threads, PreprocessBench *out);
+MUST_USE Result preprocess_measure(const int *sides, int side_count, int rounds, int threads, int stride,
+                                   PreprocessBench *out);
 void preprocess_clear(PreprocessBench *bench);
 
 // As --error takes it: "total:4".

@@ -5,6 +5,8 @@
 #include <inttypes.h>
 #include <stdio.h>
 
+#define STRIDE 8 // of the bounded kind
+
 void bench_add_preprocess(Json *parent, const char *name, const PreprocessBench *bench) {
     Json *runs = json_add_array(parent, name);
     for (int i = 0; i < bench->run_count; i++) {
@@ -13,7 +15,9 @@ void bench_add_preprocess(Json *parent, const char *name, const PreprocessBench 
         preprocess_kind_name(run, kind);
         snprintf(hash, sizeof hash, "%016" PRIx64, run->hash);
         Json *row = json_append_object(runs);
-        json_add_text(row, "kind", kind);
+        json_add_text(row, "kind", run->kind == TERRAIN_ERROR_TOTAL ? "total" : "midpoint");
+        json_add_text(row, "error", kind);
+        json_add_integer(row, "stride", run->stride); // 0: exact everywhere
         json_add_text(row, "scheme", preprocess_scheme_name(run));
         json_add_integer(row, "size", run->side);
         json_add_integer(row, "threads", run->threads);
@@ -53,7 +57,7 @@ Result bench_preprocess(const Options *options) {
     Result result = bench_read_sides(options_text(options, OPTION_SIDES), PREPROCESS_SIDES_MAX, sides, &count);
     if (result == RESULT_OK)
         result = preprocess_measure(sides, count, (int)options_integer(options, OPTION_ROUNDS),
-                                    (int)options_integer(options, OPTION_THREADS), &bench);
+                                    (int)options_integer(options, OPTION_THREADS), STRIDE, &bench);
     if (result == RESULT_OK && options_flag(options, OPTION_JSON))
         result = print_json(&bench);
     else if (result == RESULT_OK)

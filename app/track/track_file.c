@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #define LINE_BYTES 4096
 #define CELLS_MAX 256
@@ -189,7 +190,11 @@ Result track_read(const char *path, Track *out) {
         log_error("%s: the flight cannot be opened: %s", path, strerror(errno));
         return errno == ENOENT ? RESULT_NOT_FOUND : RESULT_IO;
     }
-    Result result = read_all(&reader);
+    struct stat about;
+    bool folder = fstat(fileno(reader.file), &about) == 0 && S_ISDIR(about.st_mode);
+    if (folder)
+        log_error("%s: a folder; expected a CSV file of a flight", path);
+    Result result = folder ? RESULT_FORMAT : read_all(&reader);
     fclose(reader.file);
     if (result != RESULT_OK) {
         track_clear(&track);

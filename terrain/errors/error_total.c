@@ -229,8 +229,10 @@ Result error_total_own(const ErrorWork *work, Jobs *jobs, ErrorField *field) {
         scan.bands = (2 * plane->step - 1 + BAND_ROWS - 1) / BAND_ROWS;
         if (scan.bands > 1) {
             scan.most = calloc((size_t)plane->width * (size_t)plane->height, sizeof *scan.most);
-            if (!scan.most)
+            if (!scan.most) {
+                progress_end(&progress);
                 return RESULT_MEMORY;
+            }
         }
         jobs_run(jobs, (int64_t)plane->height * scan.bands, plane->step < 16 ? 16 : 1, scan_task, &scan);
         if (scan.most)

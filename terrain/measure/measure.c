@@ -125,9 +125,15 @@ static float float_from_bits(uint32_t bits) {
     return value;
 }
 
+// As the errors are kept.
+static double rounded_up(double px) {
+    float rounded = (float)px;
+    return (double)((double)rounded < px ? nextafterf(rounded, INFINITY) : rounded);
+}
+
 // Sums by rows, then over the rows: the order does not depend on who measured.
 static void sum_samples(const MeasureRun *run, Measure *out) {
-    double sum = 0.0;
+    double sum = 0.0, tau_px = rounded_up(run->cut->view.tau_px);
     int64_t above = 0;
     for (int64_t row = 0, i = 0; row < run->dem->height; row++) {
         double row_sum = 0.0;
@@ -139,7 +145,7 @@ static void sum_samples(const MeasureRun *run, Measure *out) {
             }
             double px = (double)float_from_bits(bits);
             row_sum += px * px;
-            above += px > run->cut->view.tau_px;
+            above += px > tau_px;
             out->samples++;
         }
         sum += row_sum;
@@ -197,6 +203,9 @@ static Result find_percentiles(MeasureRun *run, Measure *out) {
     Result result = percentile(run, out->samples, 0.999, &out->p999_px);
     if (result == RESULT_OK && measure_goes_on(run))
         result = percentile(run, out->samples, 0.99, &out->p99_px);
+    // What is kept of each sample is rounded up; the largest is not.
+    out->p999_px = fmin(out->p999_px, out->max_px);
+    out->p99_px = fmin(out->p99_px, out->max_px);
     return result;
 }
 

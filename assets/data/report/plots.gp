@@ -1,7 +1,7 @@
 # The plots of a report of `overfly bench`. The data, and what is named in capitals here, stand before this text:
-# DEMS, VARIANTS, TAUS, TARGETS, BOUNDS, METHODS, SIZES, TAU_SHOWN, SOFTWARE, FLIGHTS, NAME[], KIND[], DEM[], STEM[],
-# TAU[], TARGET[], BOUND[], METHOD[], SIZE[], and the blocks
-# $runs, $track, $times, $equal, $sizes, $workers, whose parts follow one another with two empty lines between.
+# DEMS, VARIANTS, TAUS, TARGETS, BOUNDS, METHODS, SIZES, FLIGHTS, FRAMES, TAU_SHOWN, SOFTWARE, NAME[], KIND[], DEM[],
+# STEM[], TAU[], TARGET[], BOUND[], METHOD[], SIZE[], FLIGHT[], and the blocks
+# $runs, $front, $track, $times, $equal, $sizes, $workers, whose parts follow one another with two empty lines between.
 # To plot them again: gnuplot plots.gp
 INK = "#123456"  # the colour of text and axes: a style sheet in each picture turns it into what the reader's theme asks
 GRID = "#654321" # the same of the grid
@@ -12,10 +12,10 @@ point(v) = v % 7 == 1 ? 7 : v % 7 == 2 ? 5 : v % 7 == 3 ? 9 : v % 7 == 4 ? 13 : 
 dash(v) = KIND[v] > 0 ? 2 : 1
 SLOW = SOFTWARE ? "frame time, ms, by a software renderer" : "frame time, ms"
 
-# Logarithmic axes with a label at 1, 2 and 5 of each decade; and linear ones again.
-LOG_X = 'set logscale x; set xtics norotate (1 1); do for [e=-3:4] { do for [m in "1 2 5"] \
+# Logarithmic axes with a label at 1, 2, 3, 5 and 7 of each decade; and linear ones again.
+LOG_X = 'set logscale x; set xtics norotate (1 1); do for [e=-3:4] { do for [m in "1 2 3 5 7"] \
 { set xtics add (gprintf("%g", m*10.0**e) m*10.0**e) } }'
-LOG_Y = 'set logscale y; set ytics (1 1); do for [e=-4:7] { do for [m in "1 2 5"] \
+LOG_Y = 'set logscale y; set ytics (1 1); do for [e=-4:7] { do for [m in "1 2 3 5 7"] \
 { set ytics add (gprintf(e < 3 ? "%g" : "%.0s%c", m*10.0**e) m*10.0**e) } }'
 TAU_X = 'set logscale x; set xtics norotate (1 1); do for [t=1:TAUS] { set xtics add (sprintf("%g", TAU[t]) TAU[t]) }'
 LINEAR = 'unset logscale; set xtics norotate autofreq; set ytics autofreq'
@@ -43,14 +43,15 @@ do for [d=1:DEMS] {
     eval LOG_Y
     set xlabel "measured error, px: the largest of all samples and frames"
     set ylabel SLOW
-    plot for [v=1:VARIANTS] $runs index at(v) using 3:4:5:6 with yerrorlines lc rgb colour(v) dt dash(v) pt point(v) \
+    plot $front index d-1 using 1:2 with lines lc rgb "#b09060" lw 7 title "Pareto front", \
+        for [v=1:VARIANTS] $runs index at(v) using 3:4:5:6 with yerrorlines lc rgb colour(v) dt dash(v) pt point(v) \
         lw 1.5 title NAME[v]
 
     # Without drawing, where a software renderer would hide the difference.
     set output "refine-".STEM[d].".svg"
     set title DEM[d].": what accuracy costs in refinement alone"
     set ylabel "select and refine, ms, median"
-    plot for [v=1:VARIANTS] $runs index at(v) using 3:8 with linespoints lc rgb colour(v) dt dash(v) pt point(v) \
+    plot for [v=1:VARIANTS] $runs index at(v) using 3:8:9:10 with yerrorlines lc rgb colour(v) dt dash(v) pt point(v) \
         lw 1.5 title NAME[v]
 
     set output "claimed-".STEM[d].".svg"
@@ -72,8 +73,12 @@ do for [d=1:DEMS] {
     set output "bound-".STEM[d].".svg"
     set title DEM[d].": the price of a true bound (kinds of --error)"
     set xlabel "measured error, px: the largest of all samples and frames"
-    plot for [k=1:BOUNDS] $runs index at(BOUND[k]) using 3:7 with linespoints lc rgb colour(k) dt k pt point(k) \
-        lw 1.5 title NAME[BOUND[k]]
+    if (BOUNDS > 0) {
+        plot for [k=1:BOUNDS] $runs index at(BOUND[k]) using 3:7 with linespoints lc rgb colour(k) dt k pt point(k) \
+            lw 1.5 title NAME[BOUND[k]]
+    } else {
+        plot [1:10] [1:10] 0.5 with lines title "no method with nested errors"
+    }
     eval LINEAR
 
     set terminal svg size 820,640 dynamic font "sans-serif,13" rounded noenhanced
@@ -82,16 +87,22 @@ do for [d=1:DEMS] {
     set title DEM[d].sprintf(": along the flights, tau %g px", TAU_SHOWN)
     set xlabel ""
     set ylabel "measured error, px"
+    set xtics norotate ("" 0)
+    do for [f=1:FLIGHTS] { set xtics add (FLIGHT[f] (f - 0.5) * FRAMES) }
+    do for [f=1:FLIGHTS-1] { set arrow f from f * FRAMES - 0.5, graph 0 to f * FRAMES - 0.5, graph 1 nohead lc rgb INK lw 0.5 }
     eval LOG_Y
     plot for [v=1:VARIANTS] $track index at(v) using 1:2 with lines lc rgb colour(v) dt dash(v) lw 1.2 \
         title NAME[v]
     set title ""
-    set xlabel "frame (".FLIGHTS.")"
+    set xlabel sprintf("flight, %d frames each", FRAMES)
     set ylabel SLOW
-    eval LINEAR
+    unset logscale
+    set ytics autofreq
     plot for [v=1:VARIANTS] $track index at(v) using 1:3 with lines lc rgb colour(v) dt dash(v) lw 1.2 \
         title NAME[v]
     unset multiplot
+    unset arrow
+    eval LINEAR
     set terminal svg size 820,500 dynamic font "sans-serif,13" rounded noenhanced
 
     set output "times-".STEM[d].".svg"
@@ -131,7 +142,7 @@ plot for [k=1:SIZES] $sizes index k-1 using 1:2:3:4 with yerrorlines lc rgb colo
 eval LINEAR
 
 set output "workers.svg"
-set title DEM[1].": refinement from scratch against workers"
+set title "gain by workers: refinement from scratch over ".DEM[1].", building errors over rough ground"
 set xlabel "workers"
 set ylabel "times as fast as one"
 set xtics 1

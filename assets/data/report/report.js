@@ -8,9 +8,10 @@ function keyOf(row, column) {
   return Number.isNaN(value) ? cell.textContent : value;
 }
 
-function compare(a, b) {
+// Numbers come before texts either way round.
+function compare(a, b, turn) {
   if (typeof a === typeof b)
-    return typeof a === "number" ? a - b : a.localeCompare(b);
+    return turn * (typeof a === "number" ? a - b : a.localeCompare(b));
   return typeof a === "number" ? -1 : 1;
 }
 
@@ -19,7 +20,7 @@ function sortTable(table, column) {
   const down = titles[column].getAttribute("aria-sort") === "ascending";
   const body = table.tBodies[0];
   const rows = Array.from(body.rows);
-  rows.sort((a, b) => (down ? -1 : 1) * compare(keyOf(a, column), keyOf(b, column)));
+  rows.sort((a, b) => compare(keyOf(a, column), keyOf(b, column), down ? -1 : 1));
   for (const title of titles)
     title.removeAttribute("aria-sort");
   titles[column].setAttribute("aria-sort", down ? "descending" : "ascending");
