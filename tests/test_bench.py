@@ -14,6 +14,8 @@ import tempfile
 DEM = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "assets/data/dem/jacksboro_fault.tif")
 TINY = ["--quick", "--methods", "hybrid,geomipmap,geomipmap-ye", "--tau", "2,4", "--errors", "midpoint,total:8",
         "--track", "ridge,turn", "--frames", "6", "--rounds", "5", "--size", "96x64", "--threads", "2"]
+SMALL = ["--quick", "--tau", "2,4", "--errors", "total", "--track", "turn", "--frames", "6", "--rounds", "1", "--size",
+         "96x64", "--threads", "2"]
 FILES = ["frames.csv", "summary.csv", "summary.json", "report.html", "worst-frame-error.png", "worst-frame.png",
          "plots.gp", "preprocessing.svg", "workers.svg", "flight-jacksboro_fault-ridge.csv",
          "flight-jacksboro_fault-turn.csv"]
@@ -154,6 +156,69 @@ def the_command_of_the_worst_frame_measures_it_again(cli):
         expect(f"{run['variant']}: error", json.loads(out)["measured"]["max_px"], run["worst_frame"]["max_px"])
 
 
+def the_command_tells_what_else_was_given(cli):
+    folder = os.path.join(cli.folder, "given")
+    code, out, err = cli.run("bench", *SMALL, "--methods", "geomipmap:centre,roam", "--tile-side", "9", "-o", folder,
+                             "--json", OVERFLY_MAX_TRIANGLES="3000", OVERFLY_VOIDS="hole")
+    expect(f"exit status, having said {err!r}", code, 0)
+    for run in json.loads(out)["runs"]:
+        words = shlex.split(run["worst_frame"]["command"])
+        for part in ("--tile-side=9", "--max-triangles=3000", "--voids=hole"):
+            expect_true(f"{part} in {words}", part in words)
+        again = json.loads(cli.run(*words[1:], "--json")[1])
+        expect(f"{run['variant']}: error", again["measured"]["max_px"], run["worst_frame"]["max_px"])
+
+
+def where_nothing_is_promised_nothing_is_said_to_hold(cli):
+    code, out, err = cli.run("bench", *SMALL, "--methods", "geomipmap", "--json", "-o", "none")
+    expect(f"exit status, having said {err!r}", code, 0)
+    expect_true("verdict", json.loads(out)["verdict"].startswith("Nothing was promised: none of the 2 runs"))
+    with open(os.path.join(cli.folder, "none", "report.html"), encoding="utf-8") as file:
+        expect_true("no green promise", "promise held" not in file.read())
+
+
+def names_that_are_alike_are_told_apart(cli):
+    for name in ("same.tif", "same.tiff"):
+        shutil.copy(DEM, os.path.join(cli.folder, name))
+    flight = os.path.join(cli.report("first")[0], "flight-jacksboro_fault-turn.csv")
+    for folder in ("a", "b"):
+        os.makedirs(os.path.join(cli.folder, folder), exist_ok=True)
+        shutil.copy(flight, os.path.join(cli.folder, folder, "turn.csv"))
+    code, _, err = cli.run("bench", "same.tif", "same.tiff", *SMALL, "--track", "a/turn.csv,b/turn.csv,turn", "--methods",
+                           "hybrid,hybrid", "--tau", "2,2", "-o", "alike")
+    expect(f"exit status, having said {err!r}", code, 0)
+    found = set(os.listdir(os.path.join(cli.folder, "alike")))
+    for stem in ("same_1", "same_2"):
+        expect_true(f"plots of {stem} in {found}", f"pareto-{stem}.svg" in found)
+        for name in ("turn", "turn-2", "turn-3"):
+            expect_true(f"{name} of {stem} in {found}", f"flight-{stem}-{name}.csv" in found)
+    rows = rows_of(os.path.join(cli.folder, "alike"), "frames.csv")
+    expect("rows: two DEMs, one method, one tolerance, three flights of six frames", len(rows), 2 * 3 * 6)
+
+
+def names_are_no_commands(cli):
+    flight = os.path.join(cli.report("first")[0], "flight-jacksboro_fault-turn.csv")
+    name = "x`touch owned`'\".csv"
+    shutil.copy(flight, os.path.join(cli.folder, name))
+    code, _, err = cli.run("bench", *SMALL, "--methods", "hybrid", "--track", "./" + name, "-o", "names")
+    expect(f"exit status, having said {err!r}", code, 0)
+    expect_true("a file name was run", not any("owned" in files for _, _, files in os.walk(cli.folder)))
+
+
+def mistakes_are_found_before_the_work(cli):
+    with open(os.path.join(cli.folder, "bad.csv"), "w", encoding="utf-8") as file:
+        file.write("t_s,lat_deg,lon_deg,alt_m\n0,0,0,x\n")
+    with open(os.path.join(cli.folder, "far.csv"), "w", encoding="utf-8") as file:
+        file.write("t_s,lat_deg,lon_deg,alt_m\n0,0,0,100\n10,0,0.01,100\n")
+    for arguments, said in ((["jacksboro", "no-such.tif"], "no-such.tif"), (["--track", "./bad.csv"], "bad.csv:2"),
+                            (["--track", "./far.csv"], "no flight comes over"), (["--track", "./made"], "a folder")):
+        os.makedirs(os.path.join(cli.folder, "made"), exist_ok=True)
+        code, out, err = cli.run("bench", *SMALL, *arguments, "-o", "late")
+        expect(f"{arguments}: exit status, having said {err!r}", code, 1)
+        expect_true(f"{arguments}: {said!r} in {err!r}", said in err and "timing" not in err)
+        expect(f"{arguments}: stdout", out, "")
+
+
 def other_kinds_of_errors_cost_and_give_what_they_should(cli):
     report = cli.report("first")[1]
     expect("kinds", [k["error"] for k in report["dems"][0]["preprocessing"]], ["total", "midpoint", "total:8"])
@@ -193,6 +258,8 @@ def mistakes_are_named(cli):
     cli.refused(2, ["--tau: found 'nan'"], *quick, "--tau", "nan")
     cli.refused(2, ["--errors: found 'tottal'"], *quick, "--errors", "tottal")
     cli.refused(2, ["--track: found 'rigde'", "did you mean 'ridge'"], *quick, "--track", "rigde")
+    cli.refused(2, ["--tau: found '1,'"], *quick, "--tau", "1,")
+    cli.refused(2, ["--methods: found 'hybrid,'"], *quick, "--methods", "hybrid,")
     cli.refused(1, ["no/flight.csv"], *quick, "--track", "no/flight.csv")
     cli.refused(1, ["no-such.tif"], "bench", "no-such.tif", *TINY)
     cli.refused(2, ["--tau: found '1,2'", "one number"], "bench", "refine", "--tau", "1,2")
@@ -269,20 +336,33 @@ def check_sorting(browser, count):
     expect("by name", names, sorted(names))
 
 
+def a_style_matches_what_gnuplot_writes(cli):
+    folder, _ = cli.report("first")
+    with open(os.path.join(folder, "pareto-jacksboro_fault.svg"), encoding="utf-8") as file:
+        svg = file.read()
+    for colour in ("rgb( 18,  52,  86)", "rgb(18,52,86)", "rgb(101,  67,  33)"):
+        expect_true(f"{colour} is in the style sheet alone", svg.count(colour) > 2)
+
+
 def check_themes(browser):
-    inks = []
+    inks, plots = [], []
     for theme in ("light", "dark"):
         browser.execute_cdp_cmd("Emulation.setEmulatedMedia",
                                 {"features": [{"name": "prefers-color-scheme", "value": theme}]})
         inks.append(browser.execute_script("const s = getComputedStyle(document.body); return [s.color, s.backgroundColor]"))
+        plots.append(browser.execute_cdp_cmd("Page.captureScreenshot", {"format": "png"})["data"])
+    expect_true("plots are the same in light and dark", plots[0] != plots[1])
     expect_true(f"light and dark differ: {inks}", inks[0][0] != inks[1][0] and inks[0][1] != inks[1][1])
 
 
 CASES = [all_files_are_there, json_keeps_its_contract, promises_are_those_of_the_methods,
          errors_of_two_runs_are_the_same_bytes, summaries_are_those_of_the_frames,
-         the_command_of_the_worst_frame_measures_it_again, other_kinds_of_errors_cost_and_give_what_they_should,
+         the_command_of_the_worst_frame_measures_it_again, the_command_tells_what_else_was_given,
+         where_nothing_is_promised_nothing_is_said_to_hold, names_that_are_alike_are_told_apart, names_are_no_commands,
+         mistakes_are_found_before_the_work, other_kinds_of_errors_cost_and_give_what_they_should,
          a_flight_from_a_file_is_flown, several_dems_stand_side_by_side, mistakes_are_named,
-         nothing_is_left_behind_by_what_was_refused, the_report_works_in_a_browser]
+         nothing_is_left_behind_by_what_was_refused, a_style_matches_what_gnuplot_writes,
+         the_report_works_in_a_browser]
 
 
 def main():
