@@ -343,10 +343,11 @@ static Result put_dem(const Page *page, int dem) {
     fputs("</h2>\n", to);
     put_conclusion(page, dem);
     Result result = put_plots(page, dem * accuracy_plots_of_dem(), accuracy_plots_of_dem());
-    fputs("<h3>All runs</h3>\n<p class=\"dim\">Errors are of every sample in every frame; times are medians of the "
-          "rounds, "
-          "without the first frame of each burst. \"least\" and \"most round\": the p50 of single rounds.</p>\n",
-          to);
+    fputs(
+        "<h3>All runs</h3>\n<p class=\"dim\">Errors are of every sample in every frame. Times are of all frames in all "
+        "rounds but the first of each burst, those of single stages the means of the rounds' medians; \"least\" and "
+        "\"most round\" are the p50 of single rounds.</p>\n",
+        to);
     put_runs(page, dem);
     fputs(
         "<h3>At equal measured error</h3>\n<p class=\"dim\">Between the two tolerances around it, on straight lines of "
