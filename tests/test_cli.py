@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The program from outside, as a person or a script uses it, mistakes included. Usage: test_cli.py OVERFLY [NAME]..."""
+"""The program from outside, as a person or a script uses it, mistakes included. Usage: test_cli.py OVERFLY [NAME|-NAME]...
+with names these cases alone, with -NAME all but these."""
 import hashlib
 import json
 import os
@@ -336,7 +337,7 @@ def two_methods_are_reported_side_by_side(cli):
 
 
 def the_panel_of_accuracy_tells_what_it_measured(cli):
-    for more in ([], ["--lockstep"], ["--compare", "geomipmap"]):
+    for more in (["--lockstep"], ["--compare", "geomipmap"]):
         for frames in ("120", "800"):  # a busy machine has little time for what runs at the lowest priority
             report = cli.json("fly", "--size", "640x400", "--no-window", "--demo", "--accuracy", "--frames", frames, *more)
             panel = report["accuracy"]
@@ -492,7 +493,7 @@ def main():
     program, wanted = os.path.abspath(sys.argv[1]), sys.argv[2:]
     faults = 0
     for case in CASES:
-        if wanted and case.__name__ not in wanted:
+        if f"-{case.__name__}" in wanted or (any(w[0] != "-" for w in wanted) and case.__name__ not in wanted):
             continue
         with tempfile.TemporaryDirectory() as folder:
             try:
