@@ -53,6 +53,8 @@ void curve_add_frame(Curve *curve, const PipelineFrame *frame) {
         frame->px_per_rad != curve->last.px_per_rad)
         *curve = (Curve){0};
     curve->last = *frame;
+    if (frame->disturbed) // something was made or written meanwhile: its times are not the tolerance's
+        return;
     // A bin that was left long ago begins anew: the view has changed.
     CurveBin *bin = &curve->bins[bin_of(frame->tau_px)];
     if (frame->end_ns - bin->seen_ns > (int64_t)(CURVE_FRESH_S * 1e9))

@@ -31,6 +31,7 @@ struct Monitor {
     int64_t heard; // the last frame
     int64_t refreshed_ns, refreshed_frame;
     LodMethod refreshed_method;
+    double refreshed_target_ms;
     bool was_open;
 };
 
@@ -187,10 +188,13 @@ static void refresh(Monitor *monitor, const WatchFindings *findings, int64_t now
     monitor->refreshed_frame = monitor->heard;
 }
 
-// At once where the pilot has changed something.
+// At once where the pilot has changed something; what a governor changes all the time is not that.
 static bool is_stale(const Monitor *monitor, int64_t now_ns) {
     const PipelineFrame *last = &monitor->curve.last;
-    return !monitor->was_open || last->tau_px != monitor->shown.tau_px || last->method != monitor->refreshed_method ||
+    const RenderAccuracy *shown = &monitor->shown;
+    bool steered = shown->target_ms != monitor->refreshed_target_ms ||
+                   (!(shown->target_ms > 0.0) && last->tau_px != shown->tau_px);
+    return !monitor->was_open || steered || last->method != monitor->refreshed_method ||
            (now_ns - monitor->refreshed_ns >= REFRESH_NS &&
             monitor->heard - monitor->refreshed_frame >= REFRESH_FRAMES);
 }
@@ -203,6 +207,7 @@ void monitor_follow(Monitor *monitor, bool open, FrameOrder *order) {
     if (open && is_stale(monitor, now_ns)) {
         refresh(monitor, &findings, now_ns);
         monitor->refreshed_method = monitor->curve.last.method;
+        monitor->refreshed_target_ms = monitor->shown.target_ms;
     }
     monitor->was_open = open;
     if (open)

@@ -1,5 +1,7 @@
 #include "terrain/lod/cut_copy.h"
 
+#include "base/log.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -56,6 +58,7 @@ Result cut_copy_take(CutCopy *copy, const LodCut *cut) {
         !reserve((void **)&copy->vertices, &copy->vertex_capacity, sizes.vertices, sizeof *copy->vertices) ||
         !reserve((void **)&copy->indices, &copy->index_capacity, sizes.indices, sizeof *copy->indices)) {
         cut_copy_free(copy);
+        log_error("no memory for a copy of a cut of %lld triangles", (long long)cut->stats.triangles);
         return RESULT_MEMORY;
     }
     copy_items(copy, cut);
