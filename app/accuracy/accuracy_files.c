@@ -53,15 +53,6 @@ static Result print_json(const Accuracy *accuracy, const char *folder, FILE *to)
     return result;
 }
 
-static Result write_bytes(const char *path, const char *bytes, size_t count) {
-    MeshFile *file;
-    Result result = mesh_file_create(path, &file);
-    if (result != RESULT_OK)
-        return result;
-    mesh_file_bytes(file, bytes, count);
-    return mesh_file_commit(&file);
-}
-
 static Result write_file(const Accuracy *accuracy, const char *folder, const char *name, Printer *print) {
     char path[PATHS_BYTES_MAX], *bytes = NULL;
     size_t count = 0;
@@ -75,7 +66,7 @@ static Result write_file(const Accuracy *accuracy, const char *folder, const cha
     if (result == RESULT_MEMORY)
         log_error("%s: no memory to write it", path);
     if (result == RESULT_OK)
-        result = write_bytes(path, bytes, count);
+        result = mesh_file_write(path, bytes, count);
     free(bytes);
     return result;
 }

@@ -27,15 +27,6 @@ Result report_check_folder(const char *folder) {
     return RESULT_OK;
 }
 
-static Result write_whole(const char *path, const char *bytes, size_t count) {
-    MeshFile *file = NULL;
-    Result result = mesh_file_create(path, &file);
-    if (result != RESULT_OK)
-        return result;
-    mesh_file_bytes(file, bytes, count);
-    return mesh_file_commit(&file);
-}
-
 typedef enum Form { FORM_TEXT, FORM_JSON, FORM_CSV } Form;
 
 // `table`: for CSV only.
@@ -62,7 +53,7 @@ static Result write_form(const Report *report, const ReportTable *table, Form fo
         result = RESULT_MEMORY;
     }
     if (result == RESULT_OK)
-        result = write_whole(path, bytes, count);
+        result = mesh_file_write(path, bytes, count);
     free(bytes);
     return result;
 }

@@ -159,3 +159,12 @@ void mesh_file_abandon(MeshFile **file) {
     file_free(*file);
     *file = NULL;
 }
+
+Result mesh_file_write(const char *path, const void *bytes, size_t count) {
+    MeshFile *file = NULL;
+    Result result = mesh_file_create(path, &file);
+    if (result != RESULT_OK)
+        return result;
+    mesh_file_bytes(file, bytes, count);
+    return mesh_file_commit(&file);
+}

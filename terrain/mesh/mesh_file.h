@@ -20,3 +20,6 @@ void mesh_file_double(MeshFile *file, double value);
 // was one, is as before.
 MUST_USE Result mesh_file_commit(MeshFile **file);
 void mesh_file_abandon(MeshFile **file);
+
+// A whole file of `count` bytes. As mesh_file_create and mesh_file_commit.
+MUST_USE Result mesh_file_write(const char *path, const void *bytes, size_t count);
