@@ -66,19 +66,20 @@ static void check_step(const Plant *p, double before, const GovernorFrame *frame
 }
 
 // Draws a frame; its cost in milliseconds.
-static double draw(Plant *p, bool moved, bool first) {
+static double draw(Plant *p, bool moved, bool another) {
     double tau = p->asked_px[0], before = p->governor.tau_px;
     double cost = plain_cost(p, tau) * exp(p->noise * normal(&p->random));
-    if (uniform(&p->random) < p->spikes || first)
+    if (uniform(&p->random) < p->spikes || another)
         cost *= 8.0;
     p->excess_s += cost > 4.0 * plain_cost(p, tau) ? cost * 1e-3 : 0.0;
     GovernorFrame frame = {.cost_ms = cost,
                            .passed_s = cost * 1e-3,
                            .tau_px = tau,
                            .reached_px = tau,
-                           .moved = moved || first,
-                           .disturbed = first};
-    p->hurries = p->governor.hurry_s > 0.0;
+                           .another = another,
+                           .moved = moved || another,
+                           .disturbed = another};
+    p->hurries = p->governor.hurry_s > 0.0 || another;
     memmove(p->asked_px, p->asked_px + 1, sizeof *p->asked_px * (DELAY - 1));
     p->asked_px[DELAY - 1] = governor_hear(&p->governor, &frame);
     p->time_s += frame.passed_s;
@@ -294,6 +295,58 @@ static void test_another_target_is_found_and_kept(void **state) {
         fail_msg("%.2f of the target", p95);
 }
 
+static void test_another_method_is_met_as_a_new_flight_is(void **state) {
+    (void)state;
+    for (int moved = 0; moved < 2; moved++) {
+        Plant p = plant_of(TARGETS_MS[0], 1.0, 0.3, 1.0, 7);
+        draw(&p, true, true);
+        for (int i = 0; i < 300; i++)
+            draw(&p, moved, false);
+        p.scale_ms *= 4.0;
+        draw(&p, true, true);
+        for (double until = p.time_s + 2.0 + p.excess_s; p.time_s < until;)
+            draw(&p, moved, false);
+        double p95 = true_p95(&p);
+        if (p95 < 0.85 || p95 > 1.15)
+            fail_msg("%s: %.2f of the target two seconds after the change", moved ? "moving" : "still", p95);
+    }
+}
+
+// While a view stands its costs are not listened to; what they were before it stood is not of now.
+static void test_a_view_left_after_a_rest_is_followed_from_what_its_frames_cost_now(void **state) {
+    (void)state;
+    Plant p = plant_of(TARGETS_MS[0], 1.0, 0.3, 1.0, 9);
+    draw(&p, true, true);
+    (void)let_settle(&p);
+    p.scale_ms *= 0.25;
+    check_stays(&p, 5.0, "a view that became cheap");
+    double before = p.governor.tau_px;
+    for (int i = 0; i < 60; i++) {
+        draw(&p, true, false);
+        if (p.governor.tau_px > before)
+            fail_msg("from %.3f to %.3f px, though frames became cheap", before, p.governor.tau_px);
+    }
+    assert_true(p.governor.tau_px < before);
+}
+
+static void test_what_is_out_of_reach_does_not_flicker(void **state) {
+    (void)state;
+    Governor g = governor_create(20.0, 2.0);
+    uint64_t random = 11;
+    int turns = 0;
+    GovernorReach last = g.reach;
+    for (int i = 0; i < 2000; i++) {
+        double cost_ms = 18.6 * exp(0.06 * normal(&random)); // near the set point, with a budget that binds
+        GovernorFrame frame = {
+            .cost_ms = cost_ms, .passed_s = cost_ms * 1e-3, .tau_px = g.tau_px, .reached_px = 3.0, .moved = true};
+        (void)governor_hear(&g, &frame);
+        turns += g.reach != last;
+        last = g.reach;
+    }
+    print_message("%d turns in 2000 frames\n", turns);
+    assert_true(turns < 40);
+}
+
 static void test_frames_that_tell_nothing_change_nothing(void **state) {
     (void)state;
     static const double NONSENSE[] = {0.0, -1.0, NAN, INFINITY};
@@ -320,6 +373,9 @@ int main(void) {
         cmocka_unit_test(test_what_is_out_of_reach_is_told),
         cmocka_unit_test(test_finer_is_not_asked_for_where_the_budget_gives_no_more),
         cmocka_unit_test(test_another_target_is_found_and_kept),
+        cmocka_unit_test(test_another_method_is_met_as_a_new_flight_is),
+        cmocka_unit_test(test_a_view_left_after_a_rest_is_followed_from_what_its_frames_cost_now),
+        cmocka_unit_test(test_what_is_out_of_reach_does_not_flicker),
         cmocka_unit_test(test_frames_that_tell_nothing_change_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -21,6 +21,7 @@
 #define PICK_FRAMES 120       // at PICK_TAU_PX, to find a target that can be reached; the last half counts
 #define PICK_TAU_PX 1.0
 #define PICK_START_PX 4.0 // where the governor then begins
+#define ON_THEIR_WAY 4    // frames between the order and the picture, at most
 #define WITHIN 0.15
 
 // One flight: what is flown, what came of it.
@@ -35,8 +36,11 @@ typedef struct Part {
     double *frame_ms, *tau_of; // [count], of the frames that count
     int count;
     int64_t seen, in_reach, changes, reversals, triangles;
-    double passed_s, settle_s; // NAN: it did not settle
-    double reached_px, rest_s; // the last error kept, which a triangle budget decides as well; since when it is that
+    double passed_s, settle_s;   // NAN: it did not settle
+    double drawn_px, reached_px; // of the last frame: tolerance; error kept, which a triangle budget decides as well
+    double rest_s;               // since when both are that
+    int64_t steady_from;         // the first frame that was asked for after it settled; 0: it did not
+    int64_t changes_drawn;       // of the tolerance, in the frames from there on
     double last_tau, direction;
     Governor governor; // at the end
 } Part;
@@ -78,8 +82,20 @@ static void count_tolerance(Part *part, const Governor *governor) {
         part->direction = step;
         part->last_tau = governor->tau_px;
     }
-    if (governor->settled && isnan(part->settle_s))
+    if (governor->settled && isnan(part->settle_s)) {
         part->settle_s = part->passed_s;
+        part->steady_from = part->seen + ON_THEIR_WAY;
+    }
+}
+
+// What was drawn, whatever the governor says of itself.
+static void watch_rest(Part *part, const PipelineFrame *frame) {
+    bool other = frame->tau_px != part->drawn_px;
+    if (other || frame->reached_px != part->reached_px)
+        part->rest_s = part->passed_s;
+    part->changes_drawn += other && part->steady_from > 0 && part->seen > part->steady_from;
+    part->drawn_px = frame->tau_px;
+    part->reached_px = frame->reached_px;
 }
 
 static bool counts(const Part *part) {
@@ -95,9 +111,7 @@ static void collect(Part *part, const PipelineStats *stats, const Governor *gove
     for (; part->seen < stats->frames; part->seen++) {
         const PipelineFrame *frame = &stats->latest[part->seen % PIPELINE_FRAMES_KEPT];
         part->passed_s += frame->frame_ms * 1e-3;
-        if (frame->reached_px != part->reached_px)
-            part->rest_s = part->passed_s;
-        part->reached_px = frame->reached_px;
+        watch_rest(part, frame);
         if (!counts(part) || part->count == part->frames)
             continue;
         part->frame_ms[part->count] = frame->frame_ms;
@@ -252,7 +266,7 @@ static void add_part(Json *json, Part *part) {
         return;
     json_add_bool(object, "settled", part->governor.settled);
     json_add_number(object, "settle_s", part->settle_s);
-    json_add_integer(object, "changes_settled", part->governor.changes_settled);
+    json_add_integer(object, "changes_settled", part->changes_drawn);
     json_add_number(object, "reached_px", part->reached_px);
     json_add_number(object, "rest_s", part->rest_s);
 }
@@ -287,8 +301,7 @@ static void print_part(Part *part) {
     if (part->track)
         printf("\n");
     else
-        printf("; settled after %.2f s, %lld changes since\n", part->settle_s,
-               (long long)part->governor.changes_settled);
+        printf("; settled after %.2f s, %lld changes since\n", part->settle_s, (long long)part->changes_drawn);
 }
 
 static Result report(const Bench *bench, Part *ridge, Part *still) {

@@ -103,6 +103,7 @@ static GovernorFrame judged_frame(const PipelineFrame *frame) {
                            .passed_s = frame->frame_ms * 1e-3,
                            .tau_px = frame->tau_px,
                            .reached_px = frame->reached_px,
+                           .another = frame->another,
                            .moved = frame->moved,
                            .disturbed = frame->disturbed};
 }

@@ -53,6 +53,8 @@ const char *governor_reach_name(GovernorReach reach) {
 }
 
 static void forget_view(Governor *g) {
+    if (g->settled) // what frames called for before it settled is of long ago
+        g->wishes = g->steady = 0;
     g->settled = false;
     g->changes_settled = 0;
     g->still_frames = g->slow_frames = 0;
@@ -149,12 +151,12 @@ static bool is_budgeted(const GovernorFrame *frame) {
 
 // ---- a moving view ----
 
-static void judge_reach(Governor *g, double wish) {
-    double off = ELASTICITY * (wish - log(g->tau_px)); // of costs
-    bool coarsest = g->tau_px >= GOVERNOR_TAU_MAX_PX, finest = g->tau_px <= GOVERNOR_TAU_MIN_PX;
-    g->reach = coarsest && off > FITS_ABOVE  ? GOVERNOR_TOO_SLOW
-               : finest && off < -FITS_BELOW ? GOVERNOR_TOO_FAST
-                                             : GOVERNOR_IN_REACH;
+// What was out of reach stays so until the set point is passed: noise does not make it come and go.
+static GovernorReach judge_reach(const Governor *g, const GovernorFrame *frame, double off) {
+    bool coarsest = g->tau_px >= GOVERNOR_TAU_MAX_PX, finest = g->tau_px <= GOVERNOR_TAU_MIN_PX || is_budgeted(frame);
+    double above = g->reach == GOVERNOR_TOO_SLOW ? 0.0 : FITS_ABOVE;
+    double below = g->reach == GOVERNOR_TOO_FAST ? 0.0 : FITS_BELOW;
+    return coarsest && off > above ? GOVERNOR_TOO_SLOW : finest && off < -below ? GOVERNOR_TOO_FAST : GOVERNOR_IN_REACH;
 }
 
 // Frames that take longer than the target are few: each goes further.
@@ -166,11 +168,9 @@ static void follow(Governor *g, const GovernorFrame *frame, double wish) {
     double u = log(g->goal_px);
     if (recent(g) < CLEAR_COUNT)
         return;
-    judge_reach(g, wish);
-    if (is_budgeted(frame) && wish < u) { // finer is asked for in vain
-        g->reach = GOVERNOR_TOO_FAST;
+    g->reach = judge_reach(g, frame, ELASTICITY * (wish - log(g->tau_px)));
+    if (is_budgeted(frame) && wish < u) // finer is asked for in vain
         return;
-    }
     double rate = g->hurry_s > 0.0 ? GOVERNOR_RATE_FINDING : GOVERNOR_RATE_MOVING;
     go_to(g, within_limits(exp(u + approach(g, frame) * (wish - u))), rate, frame->passed_s);
 }
@@ -262,7 +262,7 @@ static void probe(Governor *g, const GovernorFrame *frame) {
 }
 
 // Time is up: what the probes let expect stays.
-static void settle_anyway(Governor *g) {
+static void settle_anyway(Governor *g, const GovernorFrame *frame) {
     if (g->cost_count >= CLEAR_COUNT && fits(g, log(median_of(g->costs, g->cost_count)))) {
         settle(g, GOVERNOR_IN_REACH);
         return;
@@ -273,7 +273,7 @@ static void settle_anyway(Governor *g) {
     if (from->known)
         try_at(g, exp(next_try(g, from)));
     go_to(g, g->probe_px, GOVERNOR_RATE_FINDING, 1.0);
-    settle(g, g->reach);
+    settle(g, from->known ? judge_reach(g, frame, from->cost - set_point(g)) : g->reach);
 }
 
 static bool is_late(const Governor *g) {
@@ -287,7 +287,7 @@ static void search(Governor *g, const GovernorFrame *frame, bool heard) {
     if (heard)
         probe(g, frame);
     if (!g->settled && is_late(g))
-        settle_anyway(g);
+        settle_anyway(g, frame);
     if (!g->settled)
         go_to(g, g->probe_px, GOVERNOR_RATE_FINDING, frame->passed_s);
 }
@@ -299,7 +299,9 @@ static bool is_still(const Governor *g) {
 }
 
 static void watch_view(Governor *g, const GovernorFrame *frame) {
-    if (frame->moved)
+    if (frame->another)
+        begin_anew(g);
+    else if (frame->moved)
         forget_view(g);
     bool was_still = is_still(g);
     g->still_frames += g->still_frames < INT32_MAX && !frame->moved;

@@ -19,7 +19,8 @@ typedef struct GovernorFrame {
     double cost_ms;            // without waiting; not more than 0: unknown
     double passed_s;           // since the end of the frame before
     double tau_px, reached_px; // that it was drawn with; more is reached than asked for by a triangle budget
-    bool moved;                // another view, method or size than the frame before
+    bool another;              // made otherwise than the frame before, so that nothing known of costs holds any more
+    bool moved;                // another view than that of the frame before
     bool disturbed;            // its cost tells nothing of the next ones
 } GovernorFrame;
 

@@ -50,9 +50,9 @@ static void add_right(PipelineCounts *counts, const LodCut *right, LodMethod met
     frame_times_add(&counts->right_draw, render->draw_ms);
 }
 
-static bool has_moved(const PipelineCounts *counts, const RenderPacket *packet) {
-    const RenderCamera *a = &counts->camera, *b = &packet->camera;
-    bool same = counts->px_per_rad == packet->cut.view.px_per_rad && a->fov_y_rad == b->fov_y_rad &&
+static bool has_moved(const RenderPacket *last, const RenderPacket *packet) {
+    const RenderCamera *a = &last->camera, *b = &packet->camera;
+    bool same = last->cut.view.px_per_rad == packet->cut.view.px_per_rad && a->fov_y_rad == b->fov_y_rad &&
                 vec3d_length(vec3d_sub(a->eye_ecef, b->eye_ecef)) == 0.0;
     for (int row = 0; row < 3; row++)
         for (int column = 0; column < 3; column++)
@@ -60,10 +60,20 @@ static bool has_moved(const PipelineCounts *counts, const RenderPacket *packet) 
     return !same;
 }
 
+// What lies over the picture costs time as well. Not the messages, which come and go by themselves.
+static bool has_other_display(const RenderHud *last, const RenderHud *hud) {
+    return last->show_flight != hud->show_flight || last->show_numbers != hud->show_numbers ||
+           last->show_help != hud->show_help || last->show_names != hud->show_names ||
+           last->accuracy.show != hud->accuracy.show;
+}
+
 static bool is_another(const PipelineCounts *counts, const RenderPacket *packet,
                        const LodMethod methods[METHODS_HALVES], const PipelineWork *work) {
-    return counts->last_end_ns == 0 || counts->stats.split != packet->split || counts->width != work->width ||
-           counts->height != work->height || counts->methods[0] != methods[0] || counts->methods[1] != methods[1];
+    const RenderPacket *last = &counts->last;
+    return counts->last_end_ns == 0 || last->split != packet->split || counts->width != work->width ||
+           counts->height != work->height || counts->methods[0] != methods[0] || counts->methods[1] != methods[1] ||
+           last->colouring != packet->colouring || last->wireframe != packet->wireframe ||
+           last->magenta_background != packet->magenta_background;
 }
 
 static bool is_creation(const PipelineCounts *counts, const RenderStats *render) {
@@ -85,32 +95,34 @@ static PipelineFrame frame_of(const PipelineCounts *counts, const RenderPacket *
     const LodCut cut = told_cut(&packet->cut, &render->resident, render->partial);
     const LodCut right = told_cut(&packet->right, &render->right.resident, render->right.partial);
     bool another = is_another(counts, packet, methods, work);
-    return (PipelineFrame){.number = counts->stats.frames + 1,
-                           .end_ns = now_ns,
-                           .method = methods[0],
-                           .split = packet->split,
-                           .px_per_rad = cut.view.px_per_rad,
-                           .select_ms = (double)cut.stats.select_ns * MS_PER_NS,
-                           .refine_ms = (double)cut.stats.refine_ns * MS_PER_NS,
-                           .upload_ms = render->upload_ms,
-                           .draw_ms = render->draw_ms,
-                           .triangles_drawn = render->triangles_drawn,
-                           .frame_ms = frame_ms,
-                           .cost_ms =
-                               fmax(frame_ms - (double)work->waited_ns * MS_PER_NS, longest_stage_ms(render, work)),
-                           .tau_px = cut.view.tau_px,
-                           .reached_px = cut.reached_px,
-                           .triangles = cut.stats.triangles + (packet->split ? right.stats.triangles : 0),
-                           .moved = another || has_moved(counts, packet),
-                           .disturbed = another || work->wrote || is_creation(counts, render)};
+    return (PipelineFrame){
+        .number = counts->stats.frames + 1,
+        .end_ns = now_ns,
+        .method = methods[0],
+        .split = packet->split,
+        .px_per_rad = cut.view.px_per_rad,
+        .select_ms = (double)cut.stats.select_ns * MS_PER_NS,
+        .refine_ms = (double)cut.stats.refine_ns * MS_PER_NS,
+        .upload_ms = render->upload_ms,
+        .draw_ms = render->draw_ms,
+        .triangles_drawn = render->triangles_drawn,
+        .frame_ms = frame_ms,
+        .cost_ms = fmax(frame_ms - (double)work->waited_ns * MS_PER_NS, longest_stage_ms(render, work)),
+        .tau_px = cut.view.tau_px,
+        .reached_px = cut.reached_px,
+        .triangles = cut.stats.triangles + (packet->split ? right.stats.triangles : 0),
+        .width = work->width,
+        .height = work->height,
+        .another = another,
+        .moved = another || has_moved(&counts->last, packet) || has_other_display(&counts->last.hud, &packet->hud),
+        .disturbed = another || work->wrote || is_creation(counts, render)};
 }
 
 static void keep_frame(PipelineCounts *counts, const RenderPacket *packet, const LodMethod methods[METHODS_HALVES],
                        const RenderStats *render, const PipelineWork *work, int64_t now_ns) {
     PipelineFrame *frame = &counts->stats.latest[counts->stats.frames % PIPELINE_FRAMES_KEPT];
     *frame = frame_of(counts, packet, methods, render, work, now_ns);
-    counts->camera = packet->camera;
-    counts->px_per_rad = packet->cut.view.px_per_rad;
+    counts->last = *packet;
     counts->width = work->width;
     counts->height = work->height;
     for (int half = 0; half < METHODS_HALVES; half++)

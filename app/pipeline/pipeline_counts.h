@@ -29,9 +29,10 @@ typedef struct PipelineFrame {
     double px_per_rad;
     int64_t triangles;       // of both halves
     int64_t triangles_drawn; // after view culling
-    bool moved;              // another view, lens, size or method than that of the one before, or the first
-    bool disturbed; // nothing is to be learned from its time: the first, the first of a size or method, or something
-                    // was made or written meanwhile
+    int width, height;       // of the whole picture
+    bool another;            // method, size, colours or lines than that of the one before, or the first
+    bool moved;              // that, or another view, lens, or more or less written over it
+    bool disturbed; // nothing is to be learned from its time: `another`, or something was made or written meanwhile
 } PipelineFrame;
 
 #define PIPELINE_FRAMES_KEPT 64
@@ -69,8 +70,7 @@ typedef struct PipelineWork {
 typedef struct PipelineCounts {
     PipelineStats stats;
     int64_t last_end_ns;
-    RenderCamera camera; // of the last frame, as what follows
-    double px_per_rad;
+    RenderPacket last; // drawn, as what follows: its look; its cuts are gone
     int width, height;
     LodMethod methods[METHODS_HALVES];
     FrameTimes frame, refine, upload, draw, right_refine, right_upload, right_draw;
