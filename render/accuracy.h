@@ -21,9 +21,11 @@ typedef struct RenderAccuracyFrame {
 
 typedef enum RenderAccuracyState {
     RENDER_ACCURACY_NOTHING,  // not measured yet
+    RENDER_ACCURACY_SO_FAR,   // max_px is of `share` of the terrain, from the eye on; the rest is being measured
     RENDER_ACCURACY_MEASURED, // the numbers hold
     RENDER_ACCURACY_RESIDENT, // only the GPU has the triangles
     RENDER_ACCURACY_PARTIAL,  // the cut was not drawn whole
+    RENDER_ACCURACY_LARGE,    // too many triangles to keep
     RENDER_ACCURACY_FAILED,   // the log says why
     RENDER_ACCURACY_STATE_COUNT
 } RenderAccuracyState;
@@ -31,6 +33,7 @@ typedef enum RenderAccuracyState {
 // The error of one drawn cut, at every sample.
 typedef struct RenderAccuracyError {
     RenderAccuracyState state;
+    double share; // 0..1, of the terrain's cells
     double max_px, p999_px, above_tau_share;
     int64_t cracks; // T-junctions, holes and overlaps
     double tau_px, promised_px;

@@ -310,11 +310,14 @@ static void test_any_number_of_workers_gives_the_same_bytes(void **state) {
 typedef struct Steps {
     int left; // until it ends
     int asked;
+    MeasureSoFar last;
 } Steps;
 
-static bool step_on(void *user) {
+static bool step_on(void *user, const MeasureSoFar *so_far) {
     Steps *steps = user;
     steps->asked++;
+    assert_true(so_far->share >= steps->last.share && so_far->max_px >= steps->last.max_px && so_far->share <= 1.0);
+    steps->last = *so_far;
     return steps->left-- > 0;
 }
 
@@ -334,6 +337,8 @@ static void test_measuring_ends_when_it_is_told_to(void **state) {
         Result result = measure_cut_paced(&f->dem, f->grid, &f->cut, one, &pace, &m);
         if (result == RESULT_OK) {
             assert_memory_equal(&m, &whole, sizeof m);
+            assert_true(steps.last.share == 1.0 && (float)steps.last.max_px >= (float)m.max_px);
+            assert_true(steps.last.max_px <= m.max_px * 1.000001);
             break;
         }
         assert_int_equal(result, RESULT_BUDGET);
@@ -346,19 +351,28 @@ static void test_measuring_ends_when_it_is_told_to(void **state) {
     fixture_destroy(f);
 }
 
+static double nearest_m(const LodCut *cut, int item) {
+    return vec3d_length(vec3d_sub(cut->items[item].centre_ecef, cut->view.eye_ecef)) - cut->items[item].radius_m;
+}
+
 static void test_a_copy_of_a_cut_measures_the_same_without_it(void **state) {
     (void)state;
     Fixture *f = fixture_random_cut(SEED, 40);
     Measure whole = measured(f);
     CutCopy copy = {0};
     for (int i = 0; i < 2; i++) // the second time in the memory of the first
-        assert_int_equal(cut_copy_take(&copy, &f->cut), RESULT_OK);
+        assert_int_equal(cut_copy_take(&copy, &f->cut, SIZE_MAX), RESULT_OK);
+    cut_copy_sort(&copy);
+    for (int i = 1; i < copy.cut.item_count; i++)
+        assert_true(nearest_m(&copy.cut, i - 1) <= nearest_m(&copy.cut, i));
     memset(f->vertices, 0, sizeof f->vertices);
     memset(f->indices, 0, sizeof f->indices);
     memset(f->pages, 0, sizeof f->pages);
     Measure m;
     assert_int_equal(measure_cut_of(&f->dem, f->grid, &copy.cut, f->jobs, &m), RESULT_OK);
     assert_memory_equal(&m, &whole, sizeof m);
+    assert_int_equal(cut_copy_take(&copy, &f->cut, 1000), RESULT_BUDGET);
+    assert_null(copy.items);
     cut_copy_free(&copy);
     fixture_destroy(f);
 }

@@ -132,7 +132,7 @@ static void hold_once(Holder *holder, Jobs *one) {
     PipelineHeld held;
     if (!pipeline_hold(holder->pipeline, clock_now_ns() + FRAME_WAIT_NS / 100, &held))
         return;
-    assert_int_equal(cut_copy_take(&holder->copy, &held.cut), RESULT_OK);
+    assert_int_equal(cut_copy_take(&holder->copy, &held.cut, SIZE_MAX), RESULT_OK);
     Measure before = measured(&held.cut, one);
     uint64_t hash = support_cut_hash(&held.cut);
     pipeline_let_go(holder->pipeline);
@@ -276,6 +276,32 @@ static void a_change_of_tolerance_moves_the_point_at_once(void **state) {
     pipeline_destroy(&pipeline);
 }
 
+// Samples and errors of a lens or a size are not shown for another one.
+static void a_change_of_lens_or_size_begins_anew(void **state) {
+    (void)state;
+    Pipeline *pipeline = start(true, LOD_HYBRID);
+    Monitor *monitor = watch(pipeline);
+    FrameOrder order = order_at(0.5, LOD_HYBRID);
+    for (int change = 0; change < 2; change++) {
+        watch_until(pipeline, monitor, &order, RENDER_ACCURACY_MEASURED, 3);
+        if (change == 0)
+            order.look.camera.fov_y_rad *= 0.5;
+        else
+            order.width = WIDTH / 2;
+        order.view.px_per_rad = camera_px_per_rad(order.look.camera.fov_y_rad, order.width, order.height, false);
+        submit(pipeline, &order);
+        assert_int_equal(pipeline_drain(pipeline), RESULT_OK);
+        clock_sleep_until_ns(clock_now_ns() + 300000000); // what is shown is refreshed four times a second
+        uint64_t revision = monitor_shown(monitor)->revision;
+        monitor_follow(monitor, true, &order);
+        assert_true(monitor_shown(monitor)->revision > revision);
+        assert_true(monitor_shown(monitor)->point_count <= 1);
+        assert_true(change == 1 || monitor_shown(monitor)->error.state == RENDER_ACCURACY_NOTHING);
+    }
+    monitor_destroy(&monitor);
+    pipeline_destroy(&pipeline);
+}
+
 // ---- beginning and end ----
 
 static void a_closed_panel_works_no_more_and_forgets(void **state) {
@@ -342,6 +368,7 @@ int main(void) {
         cmocka_unit_test(a_held_cut_stays_as_it_was_drawn),
         cmocka_unit_test(the_error_is_that_of_the_drawn_cut),
         cmocka_unit_test(points_ascend_and_lie_within_their_bounds),
+        cmocka_unit_test(a_change_of_lens_or_size_begins_anew),
         cmocka_unit_test(a_change_of_tolerance_moves_the_point_at_once),
         cmocka_unit_test(a_closed_panel_works_no_more_and_forgets),
         cmocka_unit_test(it_goes_along_with_changes_of_method_and_ends_in_the_middle),

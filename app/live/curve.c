@@ -49,8 +49,7 @@ static void add_to_bin(CurveBin *bin, const PipelineFrame *frame) {
 }
 
 void curve_add_frame(Curve *curve, const PipelineFrame *frame) {
-    if (frame->method != curve->last.method || frame->split != curve->last.split ||
-        frame->px_per_rad != curve->last.px_per_rad)
+    if (frame->another || frame->px_per_rad != curve->last.px_per_rad)
         *curve = (Curve){0};
     curve->last = *frame;
     if (frame->disturbed) // something was made or written meanwhile: its times are not the tolerance's

@@ -37,7 +37,7 @@ typedef struct Curve {
 
 // The tolerance of a sample.
 double curve_sample_tau(int index);
-// Forgets all that another method made, or another lens, or halves instead of a whole picture.
+// Forgets all that another method made, or another lens, size or colouring, or halves instead of a whole picture.
 void curve_add_frame(Curve *curve, const PipelineFrame *frame);
 // The time that one more triangle takes to draw, and between what bounds it lies: never less than nothing, never more
 // than all the time shared out among the triangles, and in between as the frames of the flight tell.

@@ -58,6 +58,11 @@ static int count_recent(const History *history, int64_t now_ns) {
     return count;
 }
 
+// Where frames are so many that those of HISTORY_S are not kept.
+static double seconds_kept(const History *history, int64_t now_ns) {
+    return (double)(now_ns - frame_before(history, HISTORY_FRAMES - 1)->end_ns) * 1e-9;
+}
+
 void history_summarise(const History *history, int64_t now_ns, RenderAccuracy *out) {
     double frame_ms[HISTORY_FRAMES];
     int recent = count_recent(history, now_ns), count = 0;
@@ -71,7 +76,7 @@ void history_summarise(const History *history, int64_t now_ns, RenderAccuracy *o
     statistics_sort(frame_ms, count);
     out->p50_ms = count > 0 ? statistics_percentile(frame_ms, count, 0.50) : (double)NAN;
     out->p99_ms = count > 0 ? statistics_percentile(frame_ms, count, 0.99) : (double)NAN;
-    out->seconds = HISTORY_S;
+    out->seconds = recent < HISTORY_FRAMES ? HISTORY_S : seconds_kept(history, now_ns);
 }
 
 void history_fill_frames(const History *history, RenderAccuracy *out) {

@@ -3,17 +3,20 @@
 #include <math.h>
 
 static const char *state_name(RenderAccuracyState state) {
-    static const char *const NAMES[RENDER_ACCURACY_STATE_COUNT] = {"not yet", "measured", "on the GPU", "not whole",
-                                                                   "failed"};
+    static const char *const NAMES[RENDER_ACCURACY_STATE_COUNT] = {"not yet",   "so far",    "measured", "on the GPU",
+                                                                   "not whole", "too large", "failed"};
     return NAMES[state];
 }
 
 static void add_measured(Json *parent, const RenderAccuracyError *error) {
     Json *object = json_add_object(parent, "measured");
     json_add_text(object, "state", state_name(error->state));
-    if (error->state != RENDER_ACCURACY_MEASURED)
+    if (error->state != RENDER_ACCURACY_MEASURED && error->state != RENDER_ACCURACY_SO_FAR)
         return;
     json_add_number(object, "max_px", error->max_px);
+    json_add_number(object, "share", error->share);
+    if (error->state == RENDER_ACCURACY_SO_FAR)
+        return;
     json_add_number(object, "p999_px", error->p999_px);
     json_add_number(object, "above_tau_share", error->above_tau_share);
     json_add_integer(object, "cracks", error->cracks);

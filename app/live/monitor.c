@@ -30,7 +30,7 @@ struct Monitor {
     RenderAccuracy shown;
     int64_t heard; // the last frame
     int64_t refreshed_ns, refreshed_frame;
-    LodMethod refreshed_method;
+    WatchSubject refreshed; // what was drawn
     double refreshed_target_ms;
     bool was_open;
 };
@@ -102,6 +102,17 @@ static SamplerView view_of(const FrameOrder *order) {
     return (SamplerView){order->view, order->look.camera, width > 0 ? width : 1, order->height};
 }
 
+// The view is the order's; what draws it is what drew the last frame, as an order may not be met.
+static WatchSubject subject_of(const Monitor *monitor, const FrameOrder *order) {
+    const PipelineFrame *last = &monitor->curve.last;
+    bool flown = last->tau_px > 0.0;
+    return (WatchSubject){.method = flown ? last->method : order->method,
+                          .split = flown ? last->split : order->compare,
+                          .px_per_rad = order->view.px_per_rad,
+                          .width = order->width,
+                          .height = order->height};
+}
+
 // Hands the view over and takes what was found.
 static WatchFindings exchange(Monitor *monitor, bool open, const FrameOrder *order) {
     Watch *watch = &monitor->watch;
@@ -112,9 +123,7 @@ static WatchFindings exchange(Monitor *monitor, bool open, const FrameOrder *ord
         pthread_cond_broadcast(&watch->changed);
     }
     watch->view = view_of(order);
-    bool flown = monitor->curve.last.tau_px > 0.0;
-    watch->method = flown ? monitor->curve.last.method : order->method;
-    watch->split = flown ? monitor->curve.last.split : order->compare;
+    watch->subject = subject_of(monitor, order);
     WatchFindings findings = watch->findings;
     pthread_mutex_unlock(&watch->lock);
     return findings;
@@ -134,18 +143,23 @@ static void hear_frames(Monitor *monitor) {
     }
 }
 
+static WatchSubject subject_drawn(const PipelineFrame *frame) {
+    return (WatchSubject){frame->method, frame->split, frame->px_per_rad, frame->width, frame->height};
+}
+
 static void take_samples(Curve *curve, const WatchFindings *findings) {
-    bool same = findings->samples_method == curve->last.method && findings->samples_split == curve->last.split;
-    if (same)
+    const WatchSubject drawn = subject_drawn(&curve->last);
+    if (watch_same(&findings->samples_of, &drawn))
         memcpy(curve->samples, findings->samples, sizeof curve->samples);
     else
         memset(curve->samples, 0, sizeof curve->samples);
 }
 
-// An error of another method than the one that is flown says nothing.
-static RenderAccuracyError error_now(const WatchFindings *findings, LodMethod flown, int64_t now_ns) {
+// An error of another method or lens than the one that is flown says nothing.
+static RenderAccuracyError error_now(const WatchFindings *findings, const PipelineFrame *flown, int64_t now_ns) {
     RenderAccuracyError error = findings->error;
-    if (error.state == RENDER_ACCURACY_NOTHING || findings->error_method != flown)
+    if (error.state == RENDER_ACCURACY_NOTHING || findings->error_method != flown->method ||
+        findings->error_px_per_rad != flown->px_per_rad)
         return (RenderAccuracyError){.state = RENDER_ACCURACY_NOTHING};
     error.age_s = (double)(now_ns - findings->drawn_ns) * 1e-9;
     return error;
@@ -177,7 +191,7 @@ static void refresh(Monitor *monitor, const WatchFindings *findings, int64_t now
     take_samples(curve, findings);
     shown->show = true;
     shown->revision++;
-    shown->error = error_now(findings, curve->last.method, now_ns);
+    shown->error = error_now(findings, &curve->last, now_ns);
     shown->point_count = curve_points(curve, now_ns, shown->points);
     shown->tau_px = curve->last.tau_px;
     shown->frame_ms = history_present_ms(&monitor->history);
@@ -193,10 +207,13 @@ static bool is_stale(const Monitor *monitor, int64_t now_ns) {
     const PipelineFrame *last = &monitor->curve.last;
     const RenderAccuracy *shown = &monitor->shown;
     bool steered = shown->target_ms != monitor->refreshed_target_ms ||
-                   (!(shown->target_ms > 0.0) && last->tau_px != shown->tau_px);
-    return !monitor->was_open || steered || last->method != monitor->refreshed_method ||
+                   (!(shown->target_ms > 0.0) && last->tau_px != shown->tau_px) ||
+                   last->method != monitor->refreshed.method;
+    const WatchSubject drawn = subject_drawn(last);
+    bool is_other = !watch_same(&drawn, &monitor->refreshed); // a lens may go on changing
+    return !monitor->was_open || steered ||
            (now_ns - monitor->refreshed_ns >= REFRESH_NS &&
-            monitor->heard - monitor->refreshed_frame >= REFRESH_FRAMES);
+            (is_other || monitor->heard - monitor->refreshed_frame >= REFRESH_FRAMES));
 }
 
 void monitor_follow(Monitor *monitor, bool open, FrameOrder *order) {
@@ -206,7 +223,7 @@ void monitor_follow(Monitor *monitor, bool open, FrameOrder *order) {
     monitor->shown.target_ms = order->look.hud.target_ms;
     if (open && is_stale(monitor, now_ns)) {
         refresh(monitor, &findings, now_ns);
-        monitor->refreshed_method = monitor->curve.last.method;
+        monitor->refreshed = subject_drawn(&monitor->curve.last);
         monitor->refreshed_target_ms = monitor->shown.target_ms;
     }
     monitor->was_open = open;

@@ -9,14 +9,21 @@
 
 #include <pthread.h>
 
-// What the thread found, of which method.
+// What a finding is of; it says nothing of another picture.
+typedef struct WatchSubject {
+    LodMethod method;
+    bool split;
+    double px_per_rad;
+    int width, height;
+} WatchSubject;
+
 typedef struct WatchFindings {
     RenderAccuracyError error; // without age_s
     LodMethod error_method;
+    double error_px_per_rad;
     int64_t drawn_ns; // when the frame measured was drawn
     CurveSample samples[CURVE_SAMPLES];
-    LodMethod samples_method;
-    bool samples_split;
+    WatchSubject samples_of;
     int64_t spent_ns;
 } WatchFindings;
 
@@ -28,13 +35,13 @@ typedef struct Watch {
     // Under the lock.
     bool open, leaving;
     SamplerView view;
-    LodMethod method; // that is flown
-    bool split;
+    WatchSubject subject; // that is flown
     WatchFindings findings;
 
     // Of the thread.
     Pace pace;
     Jobs *one;
+    PipelineHeld held; // whose cut is measured; it is let go, `copy` has it
     CutCopy copy;
     Sampler *sampler;
     int next_sample;
@@ -42,6 +49,11 @@ typedef struct Watch {
     bool sampler_refused; // for sampler_refused_method, since the panel was opened
     LodMethod sampler_refused_method;
 } Watch;
+
+static inline bool watch_same(const WatchSubject *a, const WatchSubject *b) {
+    return a->method == b->method && a->split == b->split && a->px_per_rad == b->px_per_rad && a->width == b->width &&
+           a->height == b->height;
+}
 
 // The thread's whole life.
 void watch_run(Watch *watch);

@@ -9,9 +9,12 @@
 #include <string.h>
 #include <time.h>
 
-#define PIECE_NS 1000000           // of work between two rests
-#define HURRY_NS 60000000          // of work when the panel opens: somebody waits for its first numbers
-#define HOLD_WAIT_NS 200000000     // for a frame, before looking whether the panel was closed
+#define PIECE_NS 1000000       // of work between two rests
+#define HURRY_NS 4000000000    // of work when the panel opens, at most: somebody waits for its first numbers
+#define HURRY_LEFT_NS 30000000 // once the first is there
+#define HOLD_WAIT_NS 25000000  // for a frame, before looking whether the panel was closed
+#define HOLD_WAITS 40          // before sampling is gone on with
+#define COPY_BYTES_MOST ((size_t)512 << 20)
 #define FAILED_REST_NS 10000000000 // memory may have come back
 #define TURN_REST_NS 100000000     // at least, between two turns
 #define SAMPLE_MS_MOST 25.0        // finer tolerances than one that takes longer are not sampled
@@ -37,29 +40,62 @@ static bool rest(Watch *watch) {
     return rest_for(watch, pace_rest_ns(&watch->pace));
 }
 
-static bool go_on(void *user) {
-    Watch *watch = user;
-    return pace_worked_ns(&watch->pace) < PIECE_NS || rest(watch);
+static void hurry(Watch *watch) {
+    watch->pace.hurry_ns = HURRY_NS;
 }
 
 // ---- the error of a drawn cut ----
 
-static void tell_error(Watch *watch, const PipelineHeld *held, RenderAccuracyState state, const Measure *measure) {
-    const RenderAccuracyError error = {.state = state,
-                                       .max_px = measure->max_px,
-                                       .p999_px = measure->p999_px,
-                                       .above_tau_share = measure->above_tau_share,
-                                       .cracks = measure->t_junctions + measure->holes + measure->overlaps,
-                                       .tau_px = held->cut.view.tau_px,
-                                       .promised_px = held->cut.reached_px,
-                                       .promises = held->cut.promises};
+static bool is_of_held(const WatchFindings *findings, const PipelineHeld *held) {
+    return findings->error_method == held->method && findings->error_px_per_rad == held->cut.view.px_per_rad;
+}
+
+// What was measured whole is not given up for a part, as long as it is of the same method and lens.
+static void tell_error(Watch *watch, const RenderAccuracyError *error) {
+    const PipelineHeld *held = &watch->held;
+    WatchFindings *findings = &watch->findings;
     pthread_mutex_lock(&watch->lock);
-    if (is_wanted(watch)) {
-        watch->findings.error = error;
-        watch->findings.error_method = held->method;
-        watch->findings.drawn_ns = held->drawn_ns;
+    bool stays = error->state == RENDER_ACCURACY_SO_FAR && findings->error.state == RENDER_ACCURACY_MEASURED &&
+                 is_of_held(findings, held);
+    if (is_wanted(watch) && !stays) {
+        findings->error = *error;
+        findings->error_method = held->method;
+        findings->error_px_per_rad = held->cut.view.px_per_rad;
+        findings->drawn_ns = held->drawn_ns;
     }
     pthread_mutex_unlock(&watch->lock);
+}
+
+static RenderAccuracyError error_of(const PipelineHeld *held, RenderAccuracyState state) {
+    return (RenderAccuracyError){.state = state,
+                                 .tau_px = held->cut.view.tau_px,
+                                 .promised_px = held->cut.reached_px,
+                                 .promises = held->cut.promises};
+}
+
+static void tell_measured(Watch *watch, const Measure *measure) {
+    RenderAccuracyError error = error_of(&watch->held, RENDER_ACCURACY_MEASURED);
+    error.share = 1.0;
+    error.max_px = measure->max_px;
+    error.p999_px = measure->p999_px;
+    error.above_tau_share = measure->above_tau_share;
+    error.cracks = measure->t_junctions + measure->holes + measure->overlaps;
+    tell_error(watch, &error);
+    log_debug("accuracy: a cut of %s is measured: %.3f px at most", lod_method_name(watch->held.method),
+              measure->max_px);
+}
+
+static bool go_on(void *user, const MeasureSoFar *so_far) {
+    Watch *watch = user;
+    if (pace_worked_ns(&watch->pace) < PIECE_NS)
+        return true;
+    if (so_far->share > 0.0) {
+        RenderAccuracyError error = error_of(&watch->held, RENDER_ACCURACY_SO_FAR);
+        error.share = so_far->share;
+        error.max_px = so_far->max_px;
+        tell_error(watch, &error);
+    }
+    return rest(watch);
 }
 
 static RenderAccuracyState state_before_measuring(const PipelineHeld *held) {
@@ -68,29 +104,57 @@ static RenderAccuracyState state_before_measuring(const PipelineHeld *held) {
     return held->partial ? RENDER_ACCURACY_PARTIAL : RENDER_ACCURACY_NOTHING;
 }
 
+static bool hold_drawn(Watch *watch) {
+    for (int i = 0; i < HOLD_WAITS; i++) {
+        if (pipeline_hold(watch->options.pipeline, clock_now_ns() + HOLD_WAIT_NS, &watch->held))
+            return true;
+        pthread_mutex_lock(&watch->lock);
+        bool wanted = is_wanted(watch);
+        pthread_mutex_unlock(&watch->lock);
+        if (!wanted)
+            return false;
+    }
+    return false;
+}
+
+static RenderAccuracyState measure_copy(Watch *watch) {
+    Measure measure = {0};
+    const MeasurePace pace = {go_on, watch};
+    const Terrain *terrain = watch->options.terrain;
+    cut_copy_sort(&watch->copy);
+    Result result =
+        measure_cut_paced(terrain_dem(terrain), terrain_grid(terrain), &watch->copy.cut, watch->one, &pace, &measure);
+    if (result == RESULT_BUDGET) // not wanted any more
+        return RENDER_ACCURACY_NOTHING;
+    if (result != RESULT_OK)
+        return RENDER_ACCURACY_FAILED;
+    tell_measured(watch, &measure);
+    return RENDER_ACCURACY_MEASURED;
+}
+
 // The pipeline waits for nobody: the cut is copied, let go, and measured then.
 static void measure_drawn(Watch *watch) {
-    PipelineHeld held;
-    Measure measure = {0};
-    if (!pipeline_hold(watch->options.pipeline, clock_now_ns() + HOLD_WAIT_NS, &held))
+    LodMethod before = watch->held.method;
+    if (!hold_drawn(watch))
         return;
-    RenderAccuracyState state = state_before_measuring(&held);
-    Result result = state == RENDER_ACCURACY_NOTHING ? cut_copy_take(&watch->copy, &held.cut) : RESULT_OK;
+    if (watch->held.method != before)
+        hurry(watch);
+    RenderAccuracyState state = state_before_measuring(&watch->held);
+    Result result =
+        state == RENDER_ACCURACY_NOTHING ? cut_copy_take(&watch->copy, &watch->held.cut, COPY_BYTES_MOST) : RESULT_OK;
     pipeline_let_go(watch->options.pipeline);
-    if (state == RENDER_ACCURACY_NOTHING) {
-        const MeasurePace pace = {go_on, watch};
-        const Terrain *terrain = watch->options.terrain;
-        if (result == RESULT_OK)
-            result = measure_cut_paced(terrain_dem(terrain), terrain_grid(terrain), &watch->copy.cut, watch->one, &pace,
-                                       &measure);
-        state = result == RESULT_OK ? RENDER_ACCURACY_MEASURED : RENDER_ACCURACY_FAILED;
-    }
-    if (result == RESULT_BUDGET)
+    if (result != RESULT_OK)
+        state = result == RESULT_BUDGET ? RENDER_ACCURACY_LARGE : RENDER_ACCURACY_FAILED;
+    if (state == RENDER_ACCURACY_NOTHING)
+        state = measure_copy(watch);
+    if (state == RENDER_ACCURACY_NOTHING)
         return;
-    tell_error(watch, &held, state, &measure);
-    if (state == RENDER_ACCURACY_MEASURED)
-        log_debug("accuracy: a cut of %s is measured: %.3f px at most", lod_method_name(held.method), measure.max_px);
-    else if (state == RENDER_ACCURACY_FAILED)
+    watch->pace.hurry_ns = watch->pace.hurry_ns < HURRY_LEFT_NS ? watch->pace.hurry_ns : HURRY_LEFT_NS;
+    if (state != RENDER_ACCURACY_MEASURED) {
+        const RenderAccuracyError error = error_of(&watch->held, state);
+        tell_error(watch, &error);
+    }
+    if (state == RENDER_ACCURACY_FAILED)
         rest_for(watch, FAILED_REST_NS);
 }
 
@@ -120,13 +184,12 @@ static bool has_sampler(Watch *watch, LodMethod method) {
     return watch->sampler;
 }
 
-static void tell_sample(Watch *watch, int index, const CurveSample *sample, LodMethod method, bool split) {
+static void tell_sample(Watch *watch, int index, const CurveSample *sample, const WatchSubject *subject) {
     pthread_mutex_lock(&watch->lock);
     WatchFindings *findings = &watch->findings;
-    if (findings->samples_method != method || findings->samples_split != split)
+    if (!watch_same(&findings->samples_of, subject))
         memset(findings->samples, 0, sizeof findings->samples);
-    findings->samples_method = method;
-    findings->samples_split = split;
+    findings->samples_of = *subject;
     if (is_wanted(watch))
         findings->samples[index] = *sample;
     pthread_mutex_unlock(&watch->lock);
@@ -136,10 +199,9 @@ static void tell_sample(Watch *watch, int index, const CurveSample *sample, LodM
 static bool sample_next(Watch *watch) {
     pthread_mutex_lock(&watch->lock);
     const SamplerView view = watch->view;
-    LodMethod method = watch->method;
-    bool split = watch->split;
+    const WatchSubject subject = watch->subject;
     pthread_mutex_unlock(&watch->lock);
-    if (!has_sampler(watch, method))
+    if (!has_sampler(watch, subject.method))
         return false;
     CurveSample sample = {0};
     int index = watch->next_sample;
@@ -149,10 +211,10 @@ static bool sample_next(Watch *watch) {
         result = sampler_take(watch->sampler, &view, curve_sample_tau(index), watch->one, &sample);
     watch->pages_made[index] = true;
     if (result != RESULT_OK && result != RESULT_BUDGET) {
-        refuse(watch, method);
+        refuse(watch, subject.method);
         return false;
     }
-    tell_sample(watch, index, &sample, method, split);
+    tell_sample(watch, index, &sample, &subject);
     bool slow = result == RESULT_BUDGET || sample.refine_ms > SAMPLE_MS_MOST;
     watch->next_sample = index == 0 || slow ? CURVE_SAMPLES - 1 : index - 1;
     if (watch->next_sample > index || index == 0)
@@ -177,12 +239,12 @@ static void forget(Watch *watch) {
     sampler_destroy(&watch->sampler);
     cut_copy_free(&watch->copy);
     watch->sampler_refused = false;
-    watch->pace.hurry_ns = HURRY_NS;
+    hurry(watch);
 }
 
 void watch_run(Watch *watch) {
     watch->pace = pace_begin(MONITOR_SHARE);
-    watch->pace.hurry_ns = HURRY_NS;
+    hurry(watch);
     pthread_mutex_lock(&watch->lock);
     while (!watch->leaving) {
         bool open = watch->open;

@@ -65,8 +65,8 @@ static float inner_x1(const Board *board) {
 // ---- the error ----
 
 static const char *why_not_measured(RenderAccuracyState state) {
-    static const char *const WHY[RENDER_ACCURACY_STATE_COUNT] = {"measuring", "", "on the GPU only", "not drawn whole",
-                                                                 "failed: see log"};
+    static const char *const WHY[RENDER_ACCURACY_STATE_COUNT] = {
+        "measuring", "", "", "on the GPU only", "not drawn whole", "too many triangles", "failed: see log"};
     return WHY[state];
 }
 
@@ -74,25 +74,34 @@ static bool is_measured(const RenderAccuracyError *error) {
     return error->state == RENDER_ACCURACY_MEASURED;
 }
 
+static bool is_begun(const RenderAccuracyError *error) {
+    return is_measured(error) || error->state == RENDER_ACCURACY_SO_FAR;
+}
+
 static void add_largest(Board *board, const RenderAccuracyError *error) {
-    if (!is_measured(error)) {
+    if (!is_begun(error)) {
         add_row(board, "largest error", why_not_measured(error->state), "", HUD_DIM);
         return;
     }
     bool kept = error->promises && error->max_px <= error->promised_px;
-    add_number(board, "largest error", error->max_px, 2, "px", kept ? HUD_ACCENT : HUD_WARN);
+    const char *name = is_measured(error) ? "largest error" : "largest so far";
+    add_number(board, name, error->max_px, 2, "px", kept ? HUD_ACCENT : HUD_WARN);
 }
 
 static void add_promise(Board *board, const RenderAccuracyError *error) {
-    bool measured = is_measured(error);
-    if (measured && !error->promises)
+    bool begun = is_begun(error);
+    if (begun && !error->promises)
         add_row(board, "promised", "no bound", "", HUD_WARN);
     else
-        add_number(board, "promised, at most", measured ? error->promised_px : (double)NAN, 2, "px", HUD_INK);
+        add_number(board, "promised, at most", begun ? error->promised_px : (double)NAN, 2, "px", HUD_INK);
 }
 
 static void add_age(Board *board, const RenderAccuracyError *error) {
     char name[HUD_NUMBER_BYTES + 16], tau[HUD_NUMBER_BYTES];
+    if (error->state == RENDER_ACCURACY_SO_FAR) {
+        add_number(board, "measured of the terrain", 100.0 * error->share, 0, "%", HUD_INK);
+        return;
+    }
     bool other = is_measured(error) && error->tau_px != board->told->tau_px;
     hud_format_fixed(tau, error->tau_px, 2);
     snprintf(name, sizeof name, other ? "measured at " TAU " %s" : "measured, ago", tau);

@@ -1,3 +1,4 @@
+#define _GNU_SOURCE // qsort_r
 #include "terrain/lod/cut_copy.h"
 
 #include "base/log.h"
@@ -52,8 +53,17 @@ static void copy_items(CutCopy *copy, const LodCut *cut) {
     }
 }
 
-Result cut_copy_take(CutCopy *copy, const LodCut *cut) {
+static size_t bytes_of(const CutCopy *copy, const Sizes *sizes) {
+    return (size_t)sizes->items * (sizeof *copy->items + sizeof *copy->pages) +
+           (size_t)sizes->vertices * sizeof *copy->vertices + (size_t)sizes->indices * sizeof *copy->indices;
+}
+
+Result cut_copy_take(CutCopy *copy, const LodCut *cut, size_t bytes_max) {
     Sizes sizes = sizes_of(cut);
+    if (bytes_of(copy, &sizes) > bytes_max) {
+        cut_copy_free(copy);
+        return RESULT_BUDGET;
+    }
     if (!reserve_items(copy, sizes.items) ||
         !reserve((void **)&copy->vertices, &copy->vertex_capacity, sizes.vertices, sizeof *copy->vertices) ||
         !reserve((void **)&copy->indices, &copy->index_capacity, sizes.indices, sizeof *copy->indices)) {
@@ -66,6 +76,19 @@ Result cut_copy_take(CutCopy *copy, const LodCut *cut) {
     copy->cut.items = copy->items;
     copy->cut.resident = NULL;
     return RESULT_OK;
+}
+
+static double nearest_m(const LodItem *item, const Vec3d *eye_ecef) {
+    return vec3d_length(vec3d_sub(item->centre_ecef, *eye_ecef)) - item->radius_m;
+}
+
+static int compare_nearest(const void *a, const void *b, void *user) {
+    double x = nearest_m(a, user), y = nearest_m(b, user);
+    return (x > y) - (x < y);
+}
+
+void cut_copy_sort(CutCopy *copy) {
+    qsort_r(copy->items, (size_t)copy->cut.item_count, sizeof *copy->items, compare_nearest, &copy->cut.view.eye_ecef);
 }
 
 void cut_copy_free(CutCopy *copy) {

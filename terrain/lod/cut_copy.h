@@ -13,7 +13,10 @@ typedef struct CutCopy {
     int64_t item_capacity, vertex_capacity, index_capacity;
 } CutCopy;
 
-// Takes the place of the cut before. MEMORY: not logged, and the copy is empty.
-MUST_USE Result cut_copy_take(CutCopy *copy, const LodCut *cut);
+// Takes the place of the cut before. BUDGET: that would take more than `bytes_max`, which is not logged; MEMORY. The
+// copy is empty then.
+MUST_USE Result cut_copy_take(CutCopy *copy, const LodCut *cut, size_t bytes_max);
+// Puts the items nearest to the cut's eye first.
+void cut_copy_sort(CutCopy *copy);
 // Empties it.
 void cut_copy_free(CutCopy *copy);

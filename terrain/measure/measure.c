@@ -57,6 +57,12 @@ static Result create_workers(MeasureRun *run, int count) {
     return RESULT_OK;
 }
 
+static void cover_nothing(MeasureRun *run) {
+    size_t row_bytes = (size_t)run->dem->width * sizeof *run->errors;
+    for (int64_t row = 0; row < run->dem->height && measure_goes_on(run); row++)
+        memset((void *)(run->errors + row * run->dem->width), 0xff, row_bytes); // MEASURE_NOT_COVERED
+}
+
 static Result run_begin(MeasureRun *run, const MeasureMaps *maps, int workers) {
     const Dem *dem = run->dem;
     run->samples = (int64_t)dem->width * dem->height;
@@ -69,7 +75,7 @@ static Result run_begin(MeasureRun *run, const MeasureMaps *maps, int workers) {
         run->rises = calloc((size_t)run->samples, sizeof *run->rises); // MEASURE_NO_KEY
     if (!run->vertices || !run->errors || !run->cells || !run->first_ordinal || (maps->rise_m && !run->rises))
         return RESULT_MEMORY;
-    memset((void *)run->errors, 0xff, (size_t)run->samples * sizeof *run->errors); // MEASURE_NOT_COVERED
+    cover_nothing(run);
     Result result = number_vertices(run);
     return result == RESULT_OK ? create_workers(run, workers) : result;
 }
@@ -89,25 +95,29 @@ static void task_measure(void *user, int64_t begin, int64_t end, int worker) {
 
 // ---- wholeness ----
 
-static void count_vertices(const MeasureRun *run, Measure *out) {
-    for (int64_t i = 0; i < run->samples; i++) {
-        uint32_t bits = atomic_load_explicit(&run->vertices[i], memory_order_relaxed);
-        out->holes += (bits & MEASURE_SPLIT) != 0;
-        out->t_junctions += (bits & MEASURE_JUNCTION) != 0;
-    }
+static void count_vertices(MeasureRun *run, Measure *out) {
+    const _Atomic uint32_t *vertex = run->vertices;
+    for (int row = 0; row < run->dem->height && measure_goes_on(run); row++)
+        for (int col = 0; col < run->dem->width; col++, vertex++) {
+            uint32_t bits = atomic_load_explicit(vertex, memory_order_relaxed);
+            out->holes += (bits & MEASURE_SPLIT) != 0;
+            out->t_junctions += (bits & MEASURE_JUNCTION) != 0;
+        }
 }
 
-static void count_cells(const MeasureRun *run, Measure *out) {
+static void count_cells(MeasureRun *run, Measure *out) {
     const uint8_t whole = MEASURE_NORTH | MEASURE_SOUTH, twice = MEASURE_NORTH_TWICE | MEASURE_SOUTH_TWICE;
-    for (int64_t i = 0; i < run->cell_count; i++) {
-        uint8_t bits = atomic_load_explicit(&run->cells[i], memory_order_relaxed);
-        out->holes += (bits & whole) != whole;
-        out->overlaps += (bits & twice) != 0;
-    }
+    const _Atomic uint8_t *cell = run->cells;
+    for (int row = 0; row < run->dem->height - 1 && measure_goes_on(run); row++)
+        for (int col = 0; col < run->dem->width - 1; col++, cell++) {
+            uint8_t bits = atomic_load_explicit(cell, memory_order_relaxed);
+            out->holes += (bits & whole) != whole;
+            out->overlaps += (bits & twice) != 0;
+        }
 }
 
 // The areas add up, whatever the shapes of the triangles.
-static void check_area(const MeasureRun *run, Measure *out) {
+static void check_area(MeasureRun *run, Measure *out) {
     int64_t area2 = 0;
     for (int i = 0; i < run->worker_count; i++) {
         area2 += run->workers[i].area2;
@@ -132,10 +142,10 @@ static double rounded_up(double px) {
 }
 
 // Sums by rows, then over the rows: the order does not depend on who measured.
-static void sum_samples(const MeasureRun *run, Measure *out) {
+static void sum_samples(MeasureRun *run, Measure *out) {
     double sum = 0.0, tau_px = rounded_up(run->cut->view.tau_px);
     int64_t above = 0;
-    for (int64_t row = 0, i = 0; row < run->dem->height; row++) {
+    for (int64_t row = 0, i = 0; row < run->dem->height && measure_goes_on(run); row++) {
         double row_sum = 0.0;
         for (int64_t col = 0; col < run->dem->width; col++, i++) {
             uint32_t bits = atomic_load_explicit(&run->errors[i], memory_order_relaxed);
@@ -156,13 +166,15 @@ static void sum_samples(const MeasureRun *run, Measure *out) {
 
 // Which value of the 16 bits above `shift` holds the rank-th smallest of the samples that have `prefix` above those;
 // the rank becomes the one among them.
-static uint32_t digit_of_rank(const MeasureRun *run, int64_t *counts, uint32_t prefix, int shift, int64_t *rank) {
+static uint32_t digit_of_rank(MeasureRun *run, int64_t *counts, uint32_t prefix, int shift, int64_t *rank) {
+    const _Atomic uint32_t *error = run->errors;
     memset(counts, 0, sizeof *counts << 16);
-    for (int64_t i = 0; i < run->samples; i++) {
-        uint32_t bits = atomic_load_explicit(&run->errors[i], memory_order_relaxed);
-        if (bits != MEASURE_NOT_COVERED && (shift == 16 || bits >> 16 == prefix))
-            counts[bits >> shift & 0xffff]++;
-    }
+    for (int row = 0; row < run->dem->height && measure_goes_on(run); row++)
+        for (int col = 0; col < run->dem->width; col++, error++) {
+            uint32_t bits = atomic_load_explicit(error, memory_order_relaxed);
+            if (bits != MEASURE_NOT_COVERED && (shift == 16 || bits >> 16 == prefix))
+                counts[bits >> shift & 0xffff]++;
+        }
     uint32_t digit = 0;
     for (; digit < 0xffff && *rank >= counts[digit]; digit++)
         *rank -= counts[digit];
@@ -170,7 +182,7 @@ static uint32_t digit_of_rank(const MeasureRun *run, int64_t *counts, uint32_t p
 }
 
 // The smallest error that at least `share` of the samples do not exceed: exact, by radix selection.
-static Result percentile(const MeasureRun *run, int64_t samples, double share, double *out) {
+static Result percentile(MeasureRun *run, int64_t samples, double share, double *out) {
     int64_t *counts = malloc(sizeof *counts << 16);
     if (!counts)
         return RESULT_MEMORY;
@@ -182,7 +194,7 @@ static Result percentile(const MeasureRun *run, int64_t samples, double share, d
     return RESULT_OK;
 }
 
-static void find_worst(const MeasureRun *run, Measure *out) {
+static void find_worst(MeasureRun *run, Measure *out) {
     double max_px = -1.0;
     int64_t worst = 0;
     for (int i = 0; i < run->worker_count; i++) {
@@ -210,8 +222,8 @@ static Result find_percentiles(MeasureRun *run, Measure *out) {
 }
 
 static Result join(MeasureRun *run, Measure *out) {
-    void (*const passes[])(const MeasureRun *, Measure *) = {count_vertices, count_cells, sum_samples, check_area,
-                                                             find_worst};
+    void (*const passes[])(MeasureRun *, Measure *) = {count_vertices, count_cells, sum_samples, check_area,
+                                                       find_worst};
     for (int i = 0; i < run->worker_count; i++)
         if (run->workers[i].out_of_memory)
             return RESULT_MEMORY;
@@ -237,10 +249,17 @@ static void fill_maps(const MeasureRun *run, const MeasureMaps *maps) {
     }
 }
 
+static MeasureSoFar so_far_of(MeasureRun *run) {
+    double area2 = (double)atomic_load_explicit(&run->done_area2, memory_order_relaxed);
+    uint32_t max = atomic_load_explicit(&run->done_max, memory_order_relaxed);
+    return (MeasureSoFar){fmin(area2 / (2.0 * (double)run->cell_count), 1.0), (double)float_from_bits(max)};
+}
+
 bool measure_goes_on(MeasureRun *run) {
     if (!run->pace || atomic_load_explicit(&run->ended, memory_order_relaxed))
         return !run->pace;
-    if (!run->pace->go_on(run->pace->user))
+    const MeasureSoFar so_far = so_far_of(run);
+    if (!run->pace->go_on(run->pace->user, &so_far))
         atomic_store(&run->ended, true);
     return !atomic_load_explicit(&run->ended, memory_order_relaxed);
 }

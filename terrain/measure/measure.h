@@ -48,12 +48,18 @@ typedef struct MeasurePopping {
 MUST_USE Result measure_popping(const Terrain *terrain, const LodView *view, const float *before_m,
                                 const float *after_m, Jobs *jobs, MeasurePopping *out);
 
-// For who measures beside other work: `go_on` is asked before each item of the cut and each pass over the samples, by
-// all workers. It may wait; false ends the measuring.
+// What is known before all is measured.
+typedef struct MeasureSoFar {
+    double share;  // 0..1, of the terrain's cells
+    double max_px; // over the samples of these; as Measure.max_px, rounded up
+} MeasureSoFar;
+
+// For who measures beside other work: `go_on` is asked before each item of the cut and each row of a pass over the
+// samples, by all workers. It may wait; false ends the measuring. One sort of the items' border edges is in one piece.
 typedef struct MeasurePace {
-    bool (*go_on)(void *user);
+    bool (*go_on)(void *user, const MeasureSoFar *so_far);
     void *user;
 } MeasurePace;
-// As measure_cut_of. BUDGET: `go_on` ended it, and nothing is measured.
+// As measure_cut_of, the items in their order. BUDGET: `go_on` ended it, and nothing is measured.
 MUST_USE Result measure_cut_paced(const Dem *dem, const Grid *grid, const LodCut *cut, Jobs *jobs,
                                   const MeasurePace *pace, Measure *out);

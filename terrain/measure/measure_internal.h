@@ -41,6 +41,9 @@ typedef struct MeasureRun {
     const LodCut *cut;
     const MeasurePace *pace; // NULL: measured without a pause
     atomic_bool ended;       // by `pace`
+    // For `pace`: the doubled area of the items done, and the bits of the largest error in them.
+    _Atomic int64_t done_area2;
+    _Atomic uint32_t done_max;
     int64_t samples, cell_count;
     _Atomic uint32_t *vertices; // [height][width]
     _Atomic uint32_t *errors;   // [height][width], bits of a float >= 0, the larger of the triangles that share it

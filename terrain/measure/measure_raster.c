@@ -173,11 +173,14 @@ void measure_rasterise(MeasureRun *run, MeasureWorker *worker, int64_t begin, in
     MeasureTriangle t;
     for (int64_t i = begin; i < end && measure_goes_on(run); i++) {
         const LodItem *item = &run->cut->items[i];
+        int64_t before = worker->area2;
         for (int64_t k = 0; k < item->index_count / 3; k++) {
             if (measure_triangle(run, item, k, &t))
                 rasterise_triangle(run, worker, item->page, &t);
             else
                 worker->unsound++;
         }
+        atomic_fetch_add_explicit(&run->done_area2, worker->area2 - before, memory_order_relaxed);
+        keep_largest(&run->done_max, error_bits(fmax(worker->max_px, 0.0)));
     }
 }
