@@ -1,0 +1,53 @@
+// input/pad.h: what a stick, a throttle, pedals or a gamepad is, and what it says now, whichever bus it hangs on.
+// Axes -1..1 over their logical range, uncalibrated; hats in eighths of a turn clockwise from ahead.
+// Values.
+#pragma once
+#include "base/base.h"
+
+#define PAD_AXES_MAX 32
+#define PAD_BUTTONS_MAX 128
+#define PAD_HATS_MAX 4
+#define PAD_HAT_CENTRED (-1)
+#define PAD_NAME_BYTES 128
+#define PAD_PATH_BYTES 256
+
+// X(identifier, name in profiles and reports)
+#define PAD_AXIS_TABLE(X)                                                                                              \
+    X(X, "x")                                                                                                          \
+    X(Y, "y")                                                                                                          \
+    X(Z, "z")                                                                                                          \
+    X(RX, "rx")                                                                                                        \
+    X(RY, "ry")                                                                                                        \
+    X(RZ, "rz")                                                                                                        \
+    X(SLIDER, "slider")                                                                                                \
+    X(DIAL, "dial")                                                                                                    \
+    X(WHEEL, "wheel")                                                                                                  \
+    X(AILERON, "aileron")                                                                                              \
+    X(ELEVATOR, "elevator")                                                                                            \
+    X(RUDDER, "rudder")                                                                                                \
+    X(THROTTLE, "throttle")                                                                                            \
+    X(BRAKE, "brake")                                                                                                  \
+    X(OTHER, "other")
+
+typedef enum PadAxisKind {
+#define PAD_AXIS_ENUM(id, name) PAD_AXIS_##id,
+    PAD_AXIS_TABLE(PAD_AXIS_ENUM) PAD_AXIS_KIND_COUNT
+#undef PAD_AXIS_ENUM
+} PadAxisKind;
+
+typedef enum PadBus { PAD_BUS_HID, PAD_BUS_USB } PadBus; // a node of hidraw; a wired gamepad that is not HID
+
+typedef struct PadInfo {
+    PadBus bus;
+    uint16_t vendor, product; // of USB
+    char name[PAD_NAME_BYTES];
+    char path[PAD_PATH_BYTES]; // of the node
+    int axis_count, button_count, hat_count;
+    PadAxisKind axes[PAD_AXES_MAX]; // in the order of the descriptor; two of a kind may be there
+} PadInfo;
+
+typedef struct PadState {
+    double axes[PAD_AXES_MAX];
+    uint64_t buttons[PAD_BUTTONS_MAX / 64]; // bit i of word i / 64: button i, from 0, is down
+    int8_t hats[PAD_HATS_MAX];              // PAD_HAT_CENTRED, or 0 ahead, 1 ahead right .. 7
+} PadState;
