@@ -165,7 +165,10 @@ static Result fly_rounds(Bench *bench) {
 
 static void add_spread(Json *parent, const char *name, const double *sorted, int count) {
     Json *object = json_add_object(parent, name);
+    double low, high;
+    statistics_median_bounds(sorted, count, &low, &high);
     json_add_number(object, "median", statistics_percentile(sorted, count, 0.5));
+    json_add_numbers(object, "median_95", (double[]){low, high}, 2);
     json_add_number(object, "min", statistics_percentile(sorted, count, 0.0));
     json_add_number(object, "max", statistics_percentile(sorted, count, 1.0));
 }
@@ -191,9 +194,13 @@ static Result print_json(const Bench *bench) {
 }
 
 static void print_spread(const char *what, const double *sorted, int count) {
-    printf("%-14s %+.2f %%, %+.2f to %+.2f in %d rounds; %g %% are allowed\n", what,
-           100.0 * statistics_percentile(sorted, count, 0.5), 100.0 * statistics_percentile(sorted, count, 0.0),
-           100.0 * statistics_percentile(sorted, count, 1.0), count, 100.0 * COST_LIMIT);
+    double low, high;
+    statistics_median_bounds(sorted, count, &low, &high);
+    printf(
+        "%-14s median %+.2f %%, with 95 %% certainty %+.2f to %+.2f; %+.2f to %+.2f in %d rounds; %g %% are allowed\n",
+        what, 100.0 * statistics_percentile(sorted, count, 0.5), 100.0 * low, 100.0 * high,
+        100.0 * statistics_percentile(sorted, count, 0.0), 100.0 * statistics_percentile(sorted, count, 1.0), count,
+        100.0 * COST_LIMIT);
 }
 
 static void print_text(const Bench *bench) {
