@@ -158,13 +158,22 @@ void support_fly(RecordingWriter *writer, Toy *toy, Pilot *pilot, uint32_t steps
     }
 }
 
+void support_fly_and_wait(RecordingWriter *writer, Toy *toy, Pilot *pilot, uint32_t steps) {
+    while (steps > 0) {
+        uint32_t some = steps < RECORDING_KEPT_STEPS ? steps : RECORDING_KEPT_STEPS;
+        support_fly(writer, toy, pilot, some);
+        recording_writer_wait(writer);
+        steps -= some;
+    }
+}
+
 void support_record(const char *path, uint64_t seed, uint32_t steps) {
     RecordingHeader header = toy_header();
     Toy toy = toy_create(seed);
     Pilot pilot = pilot_create(seed, 12, 0.8);
     RecordingWriter *writer;
     assert_int_equal(recording_writer_create(&header, path, &toy, &writer), RESULT_OK);
-    support_fly(writer, &toy, &pilot, steps);
+    support_fly_and_wait(writer, &toy, &pilot, steps);
     assert_int_equal(recording_writer_close(&writer), RESULT_OK);
 }
 
@@ -186,6 +195,7 @@ uint8_t *support_load(const char *path, size_t *count) {
 }
 
 void support_store(const char *path, const uint8_t *bytes, size_t count) {
+    unlink(path); // a file that is written over would go to the disk at once
     FILE *file = fopen(path, "wb");
     assert_non_null(file);
     assert_int_equal(fwrite(bytes, 1, count, file), count);

@@ -20,13 +20,13 @@ uint64_t toy_hash(const Toy *toy);
 RecordingSim toy_sim(Toy *toy); // its events of kind WIND set a number
 RecordingHeader toy_header(void);
 
-// Hands on a joystick whose four axes are sensors of 12 bits with noise, read at every step, with dead zones and curves;
-// trim, flaps and brakes now and then.
+// Hands on a joystick whose four axes are sensors of 12 bits with noise, read at every step, with dead zones and
+// curves; trim, flaps and brakes now and then.
 typedef struct Pilot {
     uint64_t random;
     double wanted[4], begun[4], hand[4]; // elevator, aileron, rudder, throttle
-    double noise;   // of the sensor, in its steps, RMS
-    int bits;       // of the sensor
+    double noise;                        // of the sensor, in its steps, RMS
+    int bits;                            // of the sensor
     double flaps, trim, brake;
     int trimming; // -1, 0, 1
 } Pilot;
@@ -35,8 +35,9 @@ Controls pilot_move(Pilot *pilot);
 
 uint64_t support_random(uint64_t *state);
 
-// A flight of so many steps. `expected`: running hashes after each step, or NULL.
+// So many steps, much faster than time; _and_wait: that the disk keeps up with.
 void support_fly(RecordingWriter *writer, Toy *toy, Pilot *pilot, uint32_t steps);
+void support_fly_and_wait(RecordingWriter *writer, Toy *toy, Pilot *pilot, uint32_t steps);
 // Recorded into a file that must come out whole.
 void support_record(const char *path, uint64_t seed, uint32_t steps);
 // Names a file of the test's own.

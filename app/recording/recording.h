@@ -9,13 +9,13 @@
 #define RECORDING_STEPS_PER_S 120
 // Shorter than a second by the time that writing may take: a killed program loses at most the last second.
 #define RECORDING_CHUNK_STEPS 100
-#define RECORDING_KEYFRAME_STEPS 1200     // 10 s: a whole number of chunks
-#define RECORDING_KEPT_STEPS (600 * 120)  // 10 minutes, always in memory
-#define RECORDING_STATE_BYTES_MAX 65536   // of one simulation state
-#define RECORDING_STEPS_MAX 43200000      // 100 h; what lies beyond is not read
-#define RECORDING_CHUNK_STEPS_MAX 1024    // in a file
-#define RECORDING_EVENT_DATA_MAX 64       // bytes
-#define RECORDING_CHUNK_EVENTS_MAX 32     // more begin another chunk
+#define RECORDING_KEYFRAME_STEPS 1200    // 10 s: a whole number of chunks
+#define RECORDING_KEPT_STEPS (600 * 120) // 10 minutes, always in memory
+#define RECORDING_STATE_BYTES_MAX 65536  // of one simulation state
+#define RECORDING_STEPS_MAX 43200000     // 100 h; what lies beyond is not read
+#define RECORDING_CHUNK_STEPS_MAX 1024   // in a file
+#define RECORDING_EVENT_DATA_MAX 64      // bytes
+#define RECORDING_CHUNK_EVENTS_MAX 32    // more begin another chunk
 
 // X(field of Controls, field's name, least, greatest, codes per unit). 4096: twice as many positions as a sensor of 12
 // bits tells, 0.006 degrees of an elevator that moves by 25. Powers of two: full deflection, centre and halves are
@@ -42,8 +42,8 @@ typedef struct ControlsCode {
     uint8_t bits;
 } ControlsCode;
 
-// The nearest code; beyond the range its end, and what is no number is 0. A simulation that is to replay exactly must be
-// fed with recording_controls of it, never with the controls themselves. The difference is at most half a code.
+// The nearest code; beyond the range its end, and what is no number is 0. A simulation that is to replay exactly must
+// be fed with recording_controls of it, never with the controls themselves. The difference is at most half a code.
 ControlsCode recording_quantise(const Controls *controls);
 Controls recording_controls(ControlsCode code);
 

@@ -26,6 +26,6 @@ static inline uint64_t recording_get64(const uint8_t *from) {
     return recording_get32(from) | (uint64_t)recording_get32(from + 4) << 32;
 }
 
-// CRC-32 as in IEEE 802.3, zlib and PNG (reflected polynomial EDB88320, all bits inverted before and after); `crc` is 0,
-// or that of the bytes before.
+// CRC-32 as in IEEE 802.3, zlib and PNG (reflected polynomial EDB88320, all bits inverted before and after); `crc` is
+// 0, or that of the bytes before.
 uint32_t recording_crc32(uint32_t crc, const void *bytes, size_t count);

@@ -12,7 +12,8 @@
 #define FIXED_BYTES (8 + 8 + 2) // two running hashes, number of events
 #define EVENTS_BYTES (RECORDING_CHUNK_EVENTS_MAX * (EVENT_HEAD_BYTES + RECORDING_EVENT_DATA_MAX))
 #define COLUMNS (RECORDING_WIDE_COUNT + RECORDING_NARROW_COUNT)
-#define HASH_BYTES 2 // a step
+#define HASH_BYTES 2        // a step
+#define INPUT_BYTES_USUAL 4 // a step
 _Static_assert(sizeof(ControlsCode) == 2 * RECORDING_WIDE_COUNT + RECORDING_NARROW_COUNT, "every field has its column");
 
 struct RecordingCodec {
@@ -38,7 +39,8 @@ Result recording_codec_create(const RecordingHeader *header, uint32_t crc, Recor
                          (size_t)header->chunk_steps * HASH_BYTES;
     codec->bound = RECORDING_CHUNK_HEADER_BYTES + recording_zstd_bound(codec->content_max, 2);
     codec->content = malloc(codec->content_max);
-    if (codec->content && recording_zstd_create(codec->content_max, &codec->zstd) == RESULT_OK) {
+    size_t usual = FIXED_BYTES + header->state_bytes + (size_t)header->chunk_steps * (INPUT_BYTES_USUAL + HASH_BYTES);
+    if (codec->content && recording_zstd_create(usual, &codec->zstd) == RESULT_OK) {
         *out = codec;
         return RESULT_OK;
     }
@@ -225,12 +227,13 @@ size_t recording_chunk_encode(RecordingCodec *codec, const RecordingChunk *chunk
     for (int i = 0; i < chunk->count; i++)
         recording_put16(hashes + 2 * i, chunk->hashes[i]);
     size_t rest = inputs + (size_t)chunk->count * HASH_BYTES;
-    const RecordingSpan spans[] = {{codec->content, head}, {codec->content + head, rest}}, whole = {codec->content, head + rest};
-    size_t payload = capacity < RECORDING_CHUNK_HEADER_BYTES
-                         ? 0
-                         : recording_zstd_compress(codec->zstd, chunk->keyframe ? spans : &whole, chunk->keyframe ? 2 : 1,
-                                                   out + RECORDING_CHUNK_HEADER_BYTES,
-                                                   capacity - RECORDING_CHUNK_HEADER_BYTES);
+    const RecordingSpan spans[] = {{codec->content, head}, {codec->content + head, rest}},
+                        whole = {codec->content, head + rest};
+    size_t payload =
+        capacity < RECORDING_CHUNK_HEADER_BYTES
+            ? 0
+            : recording_zstd_compress(codec->zstd, chunk->keyframe ? spans : &whole, chunk->keyframe ? 2 : 1,
+                                      out + RECORDING_CHUNK_HEADER_BYTES, capacity - RECORDING_CHUNK_HEADER_BYTES);
     if (payload == 0)
         return 0;
     encode_header(codec,

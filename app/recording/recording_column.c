@@ -95,7 +95,8 @@ static int half_down(int value) {
     return value >= 0 ? value / 2 : -((1 - value) / 2);
 }
 
-// The next value of the least-squares line through n equidistant ones weighs the i-th latest by (4n + 2 - 6i)/(n(n - 1)).
+// The next value of the least-squares line through n equidistant ones weighs the i-th latest by (4n + 2 - 6i)/(n(n -
+// 1)).
 static int predict(const History *history, Predictor predictor) {
     const int *x = history->before;
     switch (predictor) {

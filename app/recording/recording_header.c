@@ -27,8 +27,8 @@ static const char *const KEYS[RECORDING_KEY_COUNT] = {
 #define TEXT_OF(value) #value
 #define WIDE_TEXT(field, name, least, greatest, per_unit) name " i16 1/" TEXT_OF(per_unit),
 #define NARROW_TEXT(field, name, least, greatest, per_unit) name " u8 1/" TEXT_OF(per_unit),
-static const char *const COLUMNS[] = {RECORDING_WIDE_TABLE(WIDE_TEXT) RECORDING_NARROW_TABLE(NARROW_TEXT)
-                                          "bits u8 gear_up"};
+static const char *const COLUMNS[] = {RECORDING_WIDE_TABLE(WIDE_TEXT)
+                                          RECORDING_NARROW_TABLE(NARROW_TEXT) "bits u8 gear_up"};
 
 static const char *const EVENTS[] = {
 #define EVENT_TEXT(id, code, name) TEXT_OF(code) " " name,
@@ -89,7 +89,7 @@ static size_t write_text(const RecordingHeader *header, char text[RECORDING_TEXT
         used = add(text, used, "%s=%s\n", KEYS[key], header->environment[key]);
     return used;
 }
-_Static_assert(RECORDING_KEY_COUNT * (RECORDING_VALUE_BYTES + 32) + 2048 < RECORDING_TEXT_BYTES_MAX, "the text fits");
+_Static_assert(RECORDING_KEY_COUNT *(RECORDING_VALUE_BYTES + 32) + 2048 < RECORDING_TEXT_BYTES_MAX, "the text fits");
 
 size_t recording_header_encode(const RecordingHeader *header, uint8_t out[RECORDING_HEADER_BYTES_MAX], uint32_t *crc) {
     size_t text_bytes = write_text(header, (char *)out + TEXT_AT);

@@ -1,4 +1,4 @@
-// app/recording/recording_header.h: what a recording says of itself before the first step: format, columns, environment.
+// app/recording/recording_header.h: what a recording says of itself before its steps: format, columns, environment.
 // UTF-8 text, a line a key.
 // Values; nothing owned. Any thread.
 #pragma once

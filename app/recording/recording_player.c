@@ -81,8 +81,7 @@ static Result fill_slot(RecordingPlayer *player, Slot *slot, int index) {
     slot->segment = -1;
     slot->count = 0;
     slot->stride = (uint32_t)((positions + kept - 1) / kept);
-    Result result =
-        make_room(slot, (uint32_t)((positions + slot->stride - 1) / slot->stride), player->sim.state_bytes);
+    Result result = make_room(slot, (uint32_t)((positions + slot->stride - 1) / slot->stride), player->sim.state_bytes);
     if (result == RESULT_OK)
         result = recording_reader_chunk(player->reader, segment->chunk, &chunk);
     if (result == RESULT_OK)
@@ -154,8 +153,8 @@ static Result go(RecordingPlayer *player, int index, uint32_t step) {
         return result;
     uint32_t nearest = (step - segment_of(player, index)->first) / slot->stride;
     nearest = nearest < slot->count ? nearest : slot->count - 1;
-    bool on_the_way = player->at_segment == index && player->at_step <= step &&
-                      player->at_step >= kept_step(player, slot, nearest);
+    bool on_the_way =
+        player->at_segment == index && player->at_step <= step && player->at_step >= kept_step(player, slot, nearest);
     if (!on_the_way)
         result = load_kept(player, slot, nearest);
     return result == RESULT_OK ? simulate_until(player, slot, step) : result;
@@ -179,7 +178,8 @@ uint32_t recording_player_position(const RecordingPlayer *player) {
 }
 
 bool recording_player_is_in_gap(const RecordingPlayer *player) {
-    return player->position > segment_of(player, recording_reader_segment_at(player->reader, player->position))->known_end;
+    return player->position >
+           segment_of(player, recording_reader_segment_at(player->reader, player->position))->known_end;
 }
 
 int64_t recording_player_first_difference(const RecordingPlayer *player) {

@@ -38,7 +38,7 @@ const char *recording_damage_text(RecordingDamageKind kind) {
     case RECORDING_DAMAGED:
         return "damaged";
     case RECORDING_MISSING:
-        return "never written";
+        return "missing, as they were never written";
     case RECORDING_STATELESS:
         return "without a state to begin from";
     case RECORDING_CUT_OFF:
@@ -56,7 +56,8 @@ static void tell_damage(const RecordingReader *reader, const RecordingDamage *da
         log_warn("%s: byte %" PRIu64 ": steps %" PRIu32 " to %" PRIu32 " (%s to %s) are %s; the replay has a gap there",
                  reader->path, damage->offset, damage->first_step, damage->first_step + damage->steps - 1,
                  recording_time_text(damage->first_step, rate, from),
-                 recording_time_text(damage->first_step + damage->steps, rate, to), recording_damage_text(damage->kind));
+                 recording_time_text(damage->first_step + damage->steps, rate, to),
+                 recording_damage_text(damage->kind));
     else
         log_warn("%s: byte %" PRIu64 ": %" PRIu64 " bytes are %s; they are left out", reader->path, damage->offset,
                  damage->bytes, recording_damage_text(damage->kind));
@@ -160,8 +161,7 @@ static Result read_chunks(RecordingReader *reader, uint64_t at) {
 
 static void add_stateless(RecordingReader *reader, int chunk, uint32_t first, uint32_t end) {
     if (end > first)
-        add_damage(reader,
-                   (RecordingDamage){RECORDING_STATELESS, reader->chunks[chunk].offset, 0, first, end - first});
+        add_damage(reader, (RecordingDamage){RECORDING_STATELESS, reader->chunks[chunk].offset, 0, first, end - first});
 }
 
 static bool is_keyframe(const RecordingReader *reader, int chunk) {
@@ -177,7 +177,8 @@ static int add_segment(RecordingReader *reader, int chunk) {
     segment.follows = before && !segment.restart && before->known_end == segment.first;
     segment.known_end = end_of(header);
     int i = chunk + 1;
-    for (; i < reader->chunk_count && !is_keyframe(reader, i) && reader->chunks[i].header.first == segment.known_end; i++)
+    for (; i < reader->chunk_count && !is_keyframe(reader, i) && reader->chunks[i].header.first == segment.known_end;
+         i++)
         segment.known_end = end_of(&reader->chunks[i].header);
     segment.chunk_end = i;
     int orphan = i;

@@ -8,10 +8,10 @@
 #define RECORDING_DAMAGES_MAX 256 // that are listed
 
 typedef enum RecordingDamageKind {
-    RECORDING_DAMAGED,  // bytes that are no chunk, or fail their checksums
-    RECORDING_MISSING,  // steps were never written: the disk was full
+    RECORDING_DAMAGED,   // bytes that are no chunk, or fail their checksums
+    RECORDING_MISSING,   // steps were never written: the disk was full
     RECORDING_STATELESS, // sound, but no state to begin from: after damage, up to the next keyframe
-    RECORDING_CUT_OFF   // the file's last bytes are no whole chunk
+    RECORDING_CUT_OFF    // the file's last bytes are no whole chunk
 } RecordingDamageKind;
 
 typedef struct RecordingDamage {
@@ -40,8 +40,8 @@ void recording_reader_close(RecordingReader **reader);
 
 const char *recording_reader_path(const RecordingReader *reader);
 const RecordingHeader *recording_reader_header(const RecordingReader *reader);
-uint32_t recording_reader_first(const RecordingReader *reader); // step, of the first keyframe
-uint32_t recording_reader_end(const RecordingReader *reader);   // after the last step
+uint32_t recording_reader_first(const RecordingReader *reader);  // step, of the first keyframe
+uint32_t recording_reader_end(const RecordingReader *reader);    // after the last step
 bool recording_reader_was_closed(const RecordingReader *reader); // else the program was killed, or goes on
 // How many there are; `out`: the first RECORDING_DAMAGES_MAX of them, the reader's.
 int recording_reader_damages(const RecordingReader *reader, const RecordingDamage **out);

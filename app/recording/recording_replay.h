@@ -1,7 +1,6 @@
-// app/recording/recording_replay.h: flies a recording again: the simulation is fed with its inputs, and its states' hashes
-// are compared with the recorded ones, step by step.
-// Steps count from the flight's begin.
-// The simulation is borrowed, through callbacks. Deterministic as far as it is. One thread.
+// app/recording/recording_replay.h: flies a recording again: the simulation is fed with its inputs, and its states'
+// hashes are compared with the recorded ones, step by step. Steps count from the flight's begin. The simulation is
+// borrowed, through callbacks. Deterministic as far as it is. One thread.
 #pragma once
 #include "app/recording/recording_reader.h"
 
@@ -13,15 +12,15 @@ typedef struct RecordingSim {
     bool (*load)(void *user, const void *state); // false: no state to fly on from (files may hold anything)
     void (*save)(void *user, void *state);       // as it was loaded, or is after the steps since
     void (*step)(void *user, const Controls *controls);
-    uint64_t (*hash)(void *user);                                // of the state
-    void (*event)(void *user, const RecordingEvent *event);      // before a step; NULL: they change nothing
+    uint64_t (*hash)(void *user);                           // of the state
+    void (*event)(void *user, const RecordingEvent *event); // before a step; NULL: they change nothing
 } RecordingSim;
 
 typedef struct RecordingVerdict {
-    uint32_t steps;         // simulated and compared
-    uint32_t steps_missing; // of the flight, because of damage
-    uint64_t hash, expected_hash; // running, after the last step
-    bool equal;                   // no step differs
+    uint32_t steps;                // simulated and compared
+    uint32_t steps_missing;        // of the flight, because of damage
+    uint64_t hash, expected_hash;  // running, after the last step
+    bool equal;                    // no step differs
     int64_t first_difference_step; // -1: none
     double realtime_factor;        // seconds of flight in a second
 } RecordingVerdict;

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define ENTRIES 4096
+#define ENTRIES 2048 // 28 minutes of full chunks; new starts make short ones
 
 struct RecordingRing {
     RecordingRingEntry entries[ENTRIES]; // by number modulo ENTRIES

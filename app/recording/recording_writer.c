@@ -4,6 +4,7 @@
 #include "app/recording/recording_disk.h"
 #include "app/recording/recording_ring.h"
 #include "app/signals.h"
+#include "base/clock.h"
 #include "base/log.h"
 
 #include <errno.h>
@@ -13,6 +14,7 @@
 #include <string.h>
 
 #define KEPT_SEGMENTS (RECORDING_KEPT_STEPS / RECORDING_KEYFRAME_STEPS + 2)
+#define SYNC_NS INT64_C(10000000000) // what a power failure may take; a killed program loses none of it
 #define KEPT_CHUNKS (KEPT_SEGMENTS * RECORDING_KEYFRAME_STEPS / RECORDING_CHUNK_STEPS)
 
 // A file to be written whole; its bytes are taken when it is asked for.
@@ -46,6 +48,7 @@ struct RecordingWriter {
 
     // Of the thread.
     pthread_t thread;
+    int64_t synced_ns;
     bool lock_lives, thread_runs;
     RecordingDisk disk;
     int64_t next, tried_until; // numbers of chunks: to be written; there was no more when writing failed
@@ -68,12 +71,10 @@ static void skip_forgotten(RecordingWriter *writer) {
     writer->written_steps = first;
 }
 
-static bool has_chunk(RecordingWriter *writer) {
-    if (writer->disk.file < 0)
-        return false;
-    skip_forgotten(writer);
+// There is a chunk to be written that was not tried in vain already.
+static bool is_behind(const RecordingWriter *writer) {
     int64_t end = recording_ring_end(writer->ring);
-    return writer->next < end && (!writer->failing || writer->tried_until < end);
+    return writer->disk.file >= 0 && writer->next < end && (!writer->failing || writer->tried_until < end);
 }
 
 static void tell_failed(RecordingWriter *writer, int error) {
@@ -87,15 +88,25 @@ static void tell_failed(RecordingWriter *writer, int error) {
               recording_time_text(writer->written_steps, writer->header.steps_per_s, time));
 }
 
+static bool sync_when_due(RecordingWriter *writer) {
+    int64_t now_ns = clock_now_ns();
+    if (now_ns - writer->synced_ns < SYNC_NS)
+        return true;
+    writer->synced_ns = now_ns;
+    return recording_disk_sync(&writer->disk);
+}
+
 // Called with the lock, which is open while the disk works.
 static void write_chunk(RecordingWriter *writer) {
+    skip_forgotten(writer);
     RecordingRingEntry entry = *recording_ring_entry(writer->ring, writer->next);
     memcpy(writer->unwritten, recording_ring_bytes(writer->ring, &entry), entry.bytes);
     pthread_mutex_unlock(&writer->lock);
     bool written = recording_disk_append(&writer->disk, writer->unwritten, entry.bytes);
-    if (!written || (entry.keyframe && !recording_disk_sync(&writer->disk)))
+    if (!written || !sync_when_due(writer))
         tell_failed(writer, errno);
     pthread_mutex_lock(&writer->lock);
+    pthread_cond_broadcast(&writer->changed);
     writer->failing = !written;
     writer->file_bytes = writer->disk.bytes;
     if (written) {
@@ -126,7 +137,7 @@ static void *write_until_closed(void *user) {
     for (;;) {
         if (writer->save.state == RECORDING_SAVING_GOES_ON)
             write_save(writer);
-        else if (has_chunk(writer))
+        else if (is_behind(writer))
             write_chunk(writer);
         else if (writer->closing)
             break;
@@ -168,7 +179,7 @@ static void end_chunk(RecordingWriter *writer) {
     }
     pthread_mutex_lock(&writer->lock);
     recording_ring_push(writer->ring, &writer->chunk, writer->encoded, count);
-    pthread_cond_signal(&writer->changed);
+    pthread_cond_broadcast(&writer->changed);
     pthread_mutex_unlock(&writer->lock);
 }
 
@@ -311,7 +322,7 @@ Result recording_writer_save(RecordingWriter *writer, const char *path) {
     fill_save(writer, from, &save);
     pthread_mutex_lock(&writer->lock);
     writer->save = save;
-    pthread_cond_signal(&writer->changed);
+    pthread_cond_broadcast(&writer->changed);
     pthread_mutex_unlock(&writer->lock);
     return RESULT_OK;
 }
@@ -328,6 +339,13 @@ bool recording_writer_failed(RecordingWriter *writer) {
     bool failing = writer->failing;
     pthread_mutex_unlock(&writer->lock);
     return failing;
+}
+
+void recording_writer_wait(RecordingWriter *writer) {
+    pthread_mutex_lock(&writer->lock);
+    while (is_behind(writer))
+        pthread_cond_wait(&writer->changed, &writer->lock);
+    pthread_mutex_unlock(&writer->lock);
 }
 
 uint64_t recording_writer_file_bytes(RecordingWriter *writer) {
@@ -414,6 +432,7 @@ Result recording_writer_create(const RecordingHeader *header, const char *path, 
     if (!writer)
         return RESULT_MEMORY;
     writer->header = *header;
+    writer->synced_ns = clock_now_ns();
     writer->disk.file = -1;
     writer->hash = RECORDING_HASH_BEGIN;
     Result result = make_memory(writer);
@@ -452,7 +471,7 @@ Result recording_writer_close(RecordingWriter **writer) {
         end_chunk(self);
     pthread_mutex_lock(&self->lock);
     self->closing = true;
-    pthread_cond_signal(&self->changed);
+    pthread_cond_broadcast(&self->changed);
     pthread_mutex_unlock(&self->lock);
     pthread_join(self->thread, NULL);
     Result result = self->disk.file >= 0 ? finish_file(self) : RESULT_OK;

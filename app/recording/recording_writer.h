@@ -1,7 +1,7 @@
 // app/recording/recording_writer.h: records a flight as it goes: the last ten minutes in memory, all of it in a file.
 // Steps count from the flight's begin.
 // A RecordingWriter owns its memory, its file and the thread that writes. One thread, the simulation's, uses it; no
-// function but _create and _close waits for a disk.
+// function but _create, _wait and _close waits for a disk.
 #pragma once
 #include "app/recording/recording_header.h"
 
@@ -17,7 +17,8 @@ MUST_USE Result recording_writer_close(RecordingWriter **writer);
 
 // One fixed step: what the simulation was fed with, its state's hash and the state itself, after the step. The state is
 // borrowed for the call, and may be NULL where recording_writer_wants_state says no. A chunk is compressed every
-// RECORDING_CHUNK_STEPS; nothing is allocated. After RECORDING_STEPS_MAX nothing more is recorded (logged once).
+// RECORDING_CHUNK_STEPS; usually nothing is allocated. After RECORDING_STEPS_MAX nothing more is recorded (logged
+// once).
 void recording_writer_step(RecordingWriter *writer, ControlsCode code, uint64_t state_hash, const void *state);
 // Whether the state after the coming step is a keyframe: every 10 s.
 bool recording_writer_wants_state(const RecordingWriter *writer);
@@ -39,9 +40,12 @@ typedef enum RecordingSaving {
 MUST_USE Result recording_writer_save(RecordingWriter *writer, const char *path);
 RecordingSaving recording_writer_saving(RecordingWriter *writer); // what became of the last one
 
+// Until all whole chunks are in the file, or it cannot be written. Who flies faster than time calls it every ten
+// minutes of flight, as more than these may not be kept; who flies in time never does.
+void recording_writer_wait(RecordingWriter *writer);
 // True while the file cannot be written: for a message. What is not in the file yet is tried again with each chunk, and
 // lost when it has left the memory.
 bool recording_writer_failed(RecordingWriter *writer);
-uint32_t recording_writer_steps(const RecordingWriter *writer);    // so far
-uint64_t recording_writer_hash(const RecordingWriter *writer);     // running, after the last step
-uint64_t recording_writer_file_bytes(RecordingWriter *writer);     // written so far
+uint32_t recording_writer_steps(const RecordingWriter *writer); // so far
+uint64_t recording_writer_hash(const RecordingWriter *writer);  // running, after the last step
+uint64_t recording_writer_file_bytes(RecordingWriter *writer);  // written so far

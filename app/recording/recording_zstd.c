@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <zstd.h>
 
-#define LEVEL 6 // docs/recording.md: higher ones save nothing on so short frames
+#define LEVEL 1 // docs/recording.md: higher ones save nothing on so short frames
 #define BLOCK_BYTES_EXTRA 32
 #define DESCRIPTOR_AT 4 // after the magic number; RFC 8878 3.1.1.1.1
 #define DESCRIPTOR_CHECKSUM 0x04
@@ -21,24 +21,23 @@ static bool prepare(RecordingZstd *zstd) {
            !ZSTD_isError(ZSTD_CCtx_setParameter(zstd->compressor, ZSTD_c_checksumFlag, 1));
 }
 
-// The library takes its memory with the first frame of a size.
-static bool warm_up(RecordingZstd *zstd, size_t most) {
-    size_t bound = recording_zstd_bound(most, 1);
-    void *content = calloc(1, most), *frame = malloc(bound);
-    bool ok =
-        content && frame && recording_zstd_compress(zstd, &(RecordingSpan){content, most}, 1, frame, bound) > 0;
+// The library takes its memory with the first frame of a size, and gives it back after 128 frames of a third.
+static bool warm_up(RecordingZstd *zstd, size_t usual) {
+    size_t bound = recording_zstd_bound(usual, 1);
+    void *content = calloc(1, usual), *frame = malloc(bound);
+    bool ok = content && frame && recording_zstd_compress(zstd, &(RecordingSpan){content, usual}, 1, frame, bound) > 0;
     free(content);
     free(frame);
     return ok;
 }
 
-Result recording_zstd_create(size_t most, RecordingZstd **out) {
+Result recording_zstd_create(size_t usual, RecordingZstd **out) {
     RecordingZstd *zstd = calloc(1, sizeof *zstd);
     if (!zstd)
         goto fail;
     zstd->compressor = ZSTD_createCCtx();
     zstd->decompressor = ZSTD_createDCtx();
-    if (!prepare(zstd) || !warm_up(zstd, most))
+    if (!prepare(zstd) || !warm_up(zstd, usual))
         goto fail;
     *out = zstd;
     return RESULT_OK;

@@ -1,6 +1,6 @@
 // app/recording/recording_zstd.h: zstd frames (RFC 8878) with checksum and content size.
 // Bytes.
-// A RecordingZstd owns its contexts; one thread at a time uses it. After creation nothing is allocated.
+// A RecordingZstd owns its contexts; one thread at a time uses it.
 #pragma once
 #include "base/base.h"
 
@@ -10,8 +10,8 @@ typedef struct RecordingSpan {
     size_t count;
 } RecordingSpan;
 
-// For frames of up to `most` bytes of content. MEMORY.
-MUST_USE Result recording_zstd_create(size_t most, RecordingZstd **out);
+// `usual`: bytes of content of the largest frame among any hundred. Up to there compressing allocates nothing. MEMORY.
+MUST_USE Result recording_zstd_create(size_t usual, RecordingZstd **out);
 void recording_zstd_destroy(RecordingZstd **zstd);
 
 // The most that a frame of `count` bytes in `spans` parts takes.
