@@ -139,6 +139,19 @@ def wrong_usage_is_exit_2(cli):
     cli.refused(2, "OVERFLY_FOV", "fly", "--no-window", "--frames", "1", OVERFLY_FOV="wide")
 
 
+def a_wrong_kind_of_errors_is_told_the_right_ones(cli):
+    """Where only the number is wrong, its range is all there is to say."""
+    said = "error: --error: expected one of midpoint, total, total:N with N a power of two from 1 to 1024; found "
+    alone = ("total:0", "total:3", "total:2048", "total:", "total:x", "total:N", "nonsense")
+    meant = {"totl": "total", "totl:8": "total:N", "midpiont": "midpoint"}
+    for kind in (*alone, *meant):
+        run = cli.run("mesh", DEM, "--error", kind)
+        expect(f"{kind}: exit status", run.code, 2)
+        expect(f"{kind}: stdout", run.out, "")
+        hint = f"; did you mean '{meant[kind]}'?" if kind in meant else ""
+        expect(f"{kind}: stderr", run.err, f"{said}'{kind}'{hint}\n")
+
+
 def options_may_come_before_the_subcommand(cli):
     """Values of options are no subcommands; what follows the subcommand is read as ever."""
     for leading in (["-q"], ["-q", "--json"], ["--tau", "2", "-qv"], ["--tau=2"], ["-t2"], ["--no-quiet"]):
@@ -473,6 +486,7 @@ def a_full_disk_is_an_error(cli):
 
 
 CASES = [help_is_instant_and_complete, help_comes_even_with_a_damaged_file, wrong_usage_is_exit_2,
+         a_wrong_kind_of_errors_is_told_the_right_ones,
          options_may_come_before_the_subcommand, a_damaged_file_is_named_with_its_line, sources_win_in_order, missing_files_are_named,
          a_wrong_image_is_refused_in_one_message, image_bounds_without_an_image_are_wrong_usage,
          an_image_beside_the_terrain_is_warned_of, an_eye_under_the_ground_is_warned_of,
