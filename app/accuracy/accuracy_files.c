@@ -9,24 +9,12 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 Result accuracy_check_report(const char *folder) {
-    char probe[PATHS_BYTES_MAX];
     Result result = accuracy_check_plots();
     if (result == RESULT_OK)
         result = files_make_folder(folder);
-    if (result != RESULT_OK)
-        return result;
-    int printed = snprintf(probe, sizeof probe, "%s/.overfly-%ld", folder, (long)getpid());
-    FILE *file = printed > 0 && printed < (int)sizeof probe - 64 ? fopen(probe, "w") : NULL;
-    if (!file) {
-        log_error("%s: no file can be made in it: %s; name another folder with -o", folder, strerror(errno));
-        return RESULT_IO;
-    }
-    fclose(file);
-    unlink(probe);
-    return RESULT_OK;
+    return result == RESULT_OK ? files_check_folder(folder) : result;
 }
 
 // ---- files that appear whole or not at all ----

@@ -2,30 +2,9 @@
 #include "app/reproduce/reproduce_report.h"
 #include "base/log.h"
 #include "base/paths.h"
-#include "config/files.h"
 #include "terrain/mesh/mesh_file.h"
 
-#include <errno.h>
 #include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
-
-Result report_check_folder(const char *folder) {
-    char probe[PATHS_BYTES_MAX];
-    if (!files_is_folder(folder)) {
-        log_error("%s: not a folder; expected one that is there: mkdir -p '%s'", folder, folder);
-        return RESULT_NOT_FOUND;
-    }
-    int printed = snprintf(probe, sizeof probe, "%s/.overfly-%ld", folder, (long)getpid());
-    FILE *file = printed < (int)sizeof probe ? fopen(probe, "w") : NULL;
-    if (!file) {
-        log_error("%s: no file can be made in it: %s; name another folder with -o", folder, strerror(errno));
-        return RESULT_IO;
-    }
-    fclose(file);
-    unlink(probe);
-    return RESULT_OK;
-}
 
 typedef enum Form { FORM_TEXT, FORM_JSON, FORM_CSV } Form;
 
