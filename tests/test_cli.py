@@ -12,43 +12,13 @@ import tempfile
 import time
 import zlib
 
+from cli_support import DEM, Cli, Fault, expect, expect_in, passes
+
 SMALL = ["--size", "320x200"]
 SUBCOMMANDS = ["fly", "snapshot", "mesh", "bench", "reproduce", "info", "config"]
 
 
-DEM = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "assets/data/dem/jacksboro_fault.tif")
-
-
-class Run:
-    def __init__(self, code, out, err):
-        self.code, self.out, self.err = code, out, err
-
-
-class Fault(Exception):
-    pass
-
-
-def expect(what, found, wanted):
-    if found != wanted:
-        raise Fault(f"{what}: expected {wanted!r}, found {found!r}")
-
-
-def expect_in(what, part, text):
-    if part not in text:
-        raise Fault(f"{what}: expected {part!r} in: {text!r}")
-
-
-class Cli:
-    def __init__(self, program, folder):
-        self.program, self.folder = program, folder
-        self.environment = {k: v for k, v in os.environ.items() if not k.startswith("OVERFLY_")}
-        self.environment.update(HOME=folder, XDG_CONFIG_HOME=os.path.join(folder, "config"))
-        self.environment.pop("DISPLAY", None)
-        self.environment.pop("XDG_PICTURES_DIR", None)
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
-
+class FlightCli(Cli):
     def write(self, name, text):
         os.makedirs(os.path.dirname(self.path(name)), exist_ok=True)
         with open(self.path(name), "w", encoding="utf-8") as file:
@@ -69,24 +39,6 @@ class Cli:
         """A flat .hgt, whose name says where it lies."""
         with open(self.path(name), "wb") as file:
             file.write(b"\0\x64" * (side * side))
-
-    def start(self, *arguments, **environment):
-        return subprocess.Popen([self.program, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                                cwd=self.folder, env={**self.environment, **environment})
-
-    def run(self, *arguments, **environment):
-        process = self.start(*arguments, **environment)
-        out, err = process.communicate(timeout=240)
-        return Run(process.returncode, out, err)
-
-    def refused(self, code, said, *arguments, **environment):
-        """The program leaves with `code`, nothing on stdout and exactly one error, which says `said`."""
-        run = self.run(*arguments, **environment)
-        what = " ".join(arguments)
-        expect(f"{what}: exit status, having said {run.err!r}", run.code, code)
-        expect(f"{what}: stdout", run.out, "")
-        expect(f"{what}: errors in {run.err!r}", run.err.count("error: "), 1)
-        expect_in(what, said, run.err)
 
     def warned(self, said, *arguments):
         """The program does what it is asked to and gives one warning, which says `said`."""
@@ -510,12 +462,7 @@ def main():
         if f"-{case.__name__}" in wanted or (any(w[0] != "-" for w in wanted) and case.__name__ not in wanted):
             continue
         with tempfile.TemporaryDirectory() as folder:
-            try:
-                case(Cli(program, folder))
-                print(f"ok      {case.__name__}", flush=True)
-            except (Fault, subprocess.TimeoutExpired, ValueError, KeyError, OSError) as fault:
-                faults += 1
-                print(f"FAILED  {case.__name__}: {fault}", flush=True)
+            faults += not passes(case, FlightCli(program, folder))
     return 1 if faults else 0
 
 
