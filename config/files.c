@@ -10,6 +10,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#define NAME_BYTES 64 // left for the names of files in a folder
+
 static bool fits(int printed) {
     return printed > 0 && printed < PATHS_BYTES_MAX;
 }
@@ -37,6 +39,25 @@ Result files_check_readable(const char *path) {
     int cause = errno;
     log_error("%s: %s; %s", path, strerror(cause), cause == EACCES ? "make it readable" : "check the path");
     return cause == ENOENT || cause == ENOTDIR ? RESULT_NOT_FOUND : RESULT_IO;
+}
+
+// One is made: rights alone do not tell, of a read-only disk or for root.
+Result files_check_folder(const char *path) {
+    char probe[PATHS_BYTES_MAX];
+    if (!files_is_folder(path)) {
+        log_error("%s: not a folder; expected one that is there: mkdir -p '%s'", path, path);
+        return RESULT_NOT_FOUND;
+    }
+    errno = ENAMETOOLONG;
+    int printed = snprintf(probe, sizeof probe, "%s/.overfly-%ld", path, (long)getpid());
+    FILE *file = printed > 0 && printed < (int)sizeof probe - NAME_BYTES ? fopen(probe, "w") : NULL;
+    if (!file) {
+        log_error("%s: no file can be made in it: %s; name another folder with -o", path, strerror(errno));
+        return RESULT_IO;
+    }
+    fclose(file);
+    unlink(probe);
+    return RESULT_OK;
 }
 
 Result files_make_folder(const char *path) {

@@ -7,11 +7,10 @@ import math
 import os
 import shlex
 import shutil
-import subprocess
 import sys
-import tempfile
 
-DEM = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "assets/data/dem/jacksboro_fault.tif")
+from cli_support import DEM, Cli, Skip, expect, expect_true, run_cases
+
 TINY = ["--quick", "--methods", "hybrid,geomipmap,geomipmap-ye", "--tau", "2,4", "--errors", "midpoint,total:8",
         "--track", "ridge,turn", "--frames", "6", "--rounds", "5", "--size", "96x64", "--threads", "2"]
 SMALL = ["--quick", "--tau", "2,4", "--errors", "total", "--track", "turn", "--frames", "6", "--rounds", "1", "--size",
@@ -24,37 +23,12 @@ TIMES = [f"{stage}_ms{end}" for end in ("", "_min", "_max") for stage in ("selec
 TIMES += ["memory_bytes"]
 
 
-class Fault(Exception):
-    pass
-
-
-class Skip(Exception):
-    pass
-
-
-def expect(what, found, wanted):
-    if found != wanted:
-        raise Fault(f"{what}: expected {wanted!r}, found {found!r}")
-
-
-def expect_true(what, holds):
-    if not holds:
-        raise Fault(what)
-
-
-class Cli:
-    """Runs the program; two runs of the tiny benchmark, each once, are kept."""
+class BenchCli(Cli):
+    """Two runs of the tiny benchmark, each once, are kept."""
 
     def __init__(self, program, folder):
-        self.program, self.folder, self.reports = program, folder, {}
-        self.environment = {k: v for k, v in os.environ.items() if not k.startswith("OVERFLY_")}
-        self.environment.update(HOME=folder, XDG_CONFIG_HOME=os.path.join(folder, "config"))
-        self.environment.pop("DISPLAY", None)
-
-    def run(self, *arguments, **environment):
-        done = subprocess.run([self.program, *arguments], capture_output=True, text=True, cwd=self.folder,
-                              env={**self.environment, **environment}, timeout=400, check=False)
-        return done.returncode, done.stdout, done.stderr
+        super().__init__(program, folder)
+        self.reports = {}
 
     def report(self, name):
         """(folder, JSON) of a run of the tiny benchmark."""
@@ -64,15 +38,6 @@ class Cli:
             expect(f"exit status, having said {err!r}", code, 0)
             self.reports[name] = (folder, json.loads(out))
         return self.reports[name]
-
-    def refused(self, code, said, *arguments, **environment):
-        found, out, err = self.run(*arguments, **environment)
-        what = " ".join(arguments)
-        expect(f"{what}: exit status, having said {err!r}", found, code)
-        expect(f"{what}: stdout", out, "")
-        expect(f"{what}: errors in {err!r}", err.count("error: "), 1)
-        for part in said:
-            expect_true(f"{what}: expected {part!r} in {err!r}", part in err)
 
 
 def rows_of(folder, name):
@@ -365,24 +330,5 @@ CASES = [all_files_are_there, json_keeps_its_contract, promises_are_those_of_the
          the_report_works_in_a_browser]
 
 
-def main():
-    program, wanted = os.path.abspath(sys.argv[1]), sys.argv[2:]
-    faults = 0
-    with tempfile.TemporaryDirectory() as folder:
-        cli = Cli(program, folder)
-        for case in CASES:
-            if wanted and case.__name__ not in wanted:
-                continue
-            try:
-                case(cli)
-                print(f"ok      {case.__name__}", flush=True)
-            except Skip as skip:
-                print(f"skipped {case.__name__}: {skip}", flush=True)
-            except (Fault, subprocess.TimeoutExpired, ValueError, KeyError, OSError) as fault:
-                faults += 1
-                print(f"FAILED  {case.__name__}: {fault}", flush=True)
-    return 1 if faults else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_cases(CASES, BenchCli))

@@ -12,43 +12,13 @@ import tempfile
 import time
 import zlib
 
+from cli_support import DEM, Cli, Fault, expect, expect_in, passes
+
 SMALL = ["--size", "320x200"]
 SUBCOMMANDS = ["fly", "snapshot", "mesh", "bench", "reproduce", "info", "config"]
 
 
-DEM = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "assets/data/dem/jacksboro_fault.tif")
-
-
-class Run:
-    def __init__(self, code, out, err):
-        self.code, self.out, self.err = code, out, err
-
-
-class Fault(Exception):
-    pass
-
-
-def expect(what, found, wanted):
-    if found != wanted:
-        raise Fault(f"{what}: expected {wanted!r}, found {found!r}")
-
-
-def expect_in(what, part, text):
-    if part not in text:
-        raise Fault(f"{what}: expected {part!r} in: {text!r}")
-
-
-class Cli:
-    def __init__(self, program, folder):
-        self.program, self.folder = program, folder
-        self.environment = {k: v for k, v in os.environ.items() if not k.startswith("OVERFLY_")}
-        self.environment.update(HOME=folder, XDG_CONFIG_HOME=os.path.join(folder, "config"))
-        self.environment.pop("DISPLAY", None)
-        self.environment.pop("XDG_PICTURES_DIR", None)
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
-
+class FlightCli(Cli):
     def write(self, name, text):
         os.makedirs(os.path.dirname(self.path(name)), exist_ok=True)
         with open(self.path(name), "w", encoding="utf-8") as file:
@@ -69,24 +39,6 @@ class Cli:
         """A flat .hgt, whose name says where it lies."""
         with open(self.path(name), "wb") as file:
             file.write(b"\0\x64" * (side * side))
-
-    def start(self, *arguments, **environment):
-        return subprocess.Popen([self.program, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                                cwd=self.folder, env={**self.environment, **environment})
-
-    def run(self, *arguments, **environment):
-        process = self.start(*arguments, **environment)
-        out, err = process.communicate(timeout=240)
-        return Run(process.returncode, out, err)
-
-    def refused(self, code, said, *arguments, **environment):
-        """The program leaves with `code`, nothing on stdout and exactly one error, which says `said`."""
-        run = self.run(*arguments, **environment)
-        what = " ".join(arguments)
-        expect(f"{what}: exit status, having said {run.err!r}", run.code, code)
-        expect(f"{what}: stdout", run.out, "")
-        expect(f"{what}: errors in {run.err!r}", run.err.count("error: "), 1)
-        expect_in(what, said, run.err)
 
     def warned(self, said, *arguments):
         """The program does what it is asked to and gives one warning, which says `said`."""
@@ -137,6 +89,19 @@ def wrong_usage_is_exit_2(cli):
     cli.refused(2, "a value is missing", "fly", "--tau")
     cli.refused(2, "not to this subcommand", "fly", "--cull")
     cli.refused(2, "OVERFLY_FOV", "fly", "--no-window", "--frames", "1", OVERFLY_FOV="wide")
+
+
+def a_wrong_kind_of_errors_is_told_the_right_ones(cli):
+    """Where only the number is wrong, its range is all there is to say."""
+    said = "error: --error: expected one of midpoint, total, total:N with N a power of two from 1 to 1024; found "
+    alone = ("total:0", "total:3", "total:2048", "total:", "total:x", "total:N", "nonsense")
+    meant = {"totl": "total", "totl:8": "total:N", "midpiont": "midpoint"}
+    for kind in (*alone, *meant):
+        run = cli.run("mesh", DEM, "--error", kind)
+        expect(f"{kind}: exit status", run.code, 2)
+        expect(f"{kind}: stdout", run.out, "")
+        hint = f"; did you mean '{meant[kind]}'?" if kind in meant else ""
+        expect(f"{kind}: stderr", run.err, f"{said}'{kind}'{hint}\n")
 
 
 def options_may_come_before_the_subcommand(cli):
@@ -473,6 +438,7 @@ def a_full_disk_is_an_error(cli):
 
 
 CASES = [help_is_instant_and_complete, help_comes_even_with_a_damaged_file, wrong_usage_is_exit_2,
+         a_wrong_kind_of_errors_is_told_the_right_ones,
          options_may_come_before_the_subcommand, a_damaged_file_is_named_with_its_line, sources_win_in_order, missing_files_are_named,
          a_wrong_image_is_refused_in_one_message, image_bounds_without_an_image_are_wrong_usage,
          an_image_beside_the_terrain_is_warned_of, an_eye_under_the_ground_is_warned_of,
@@ -496,12 +462,7 @@ def main():
         if f"-{case.__name__}" in wanted or (any(w[0] != "-" for w in wanted) and case.__name__ not in wanted):
             continue
         with tempfile.TemporaryDirectory() as folder:
-            try:
-                case(Cli(program, folder))
-                print(f"ok      {case.__name__}", flush=True)
-            except (Fault, subprocess.TimeoutExpired, ValueError, KeyError, OSError) as fault:
-                faults += 1
-                print(f"FAILED  {case.__name__}: {fault}", flush=True)
+            faults += not passes(case, FlightCli(program, folder))
     return 1 if faults else 0
 
 
