@@ -55,7 +55,8 @@ static void test_frames_are_at_their_times(void **state) {
         snprintf(path, sizeof path, "%s/a film: %d.mp4", folder, RATES[i]);
         assert_int_equal(film(path, RATES[i], FRAMES), RESULT_OK);
         snprintf(command, sizeof command,
-                 "ffprobe -v error -select_streams v -show_entries frame=pts_time -of default=nk=1:nw=1 'file:%s'", path);
+                 "ffprobe -v error -select_streams v -show_entries frame=pts_time -of default=nk=1:nw=1 'file:%s'",
+                 path);
         FILE *times = popen(command, "r");
         assert_non_null(times);
         double time_s;
