@@ -18,6 +18,7 @@
 #define CHOICES_TILE_SIDE "3|5|9|17|33|65|129"
 #define CHOICES_COMPUTE "auto|gpu|cpu"
 #define CHOICES_TIME_RATE "1/4|1/2|1|2|4|8|16"
+#define CHOICES_VIEW "cockpit|chase|fly-by|map|free|right|back|left|down"
 #define CHOICES_COLOUR "land|level|cache|partition"
 
 // clang-format off
@@ -72,6 +73,7 @@
     X(LOOK, "look", 0, DIRECTION, "HEADING,PITCH", NULL, 0, 0, NULL, COMMANDS_SCENE, "degrees; north is 0, up is +")   \
     X(OUTPUT, "output", 'o', PATH, "FILE", NULL, 0, 0, NULL, COMMAND_SNAPSHOT | COMMAND_MESH, "where to write")        \
                                                                                                                        \
+    X(VIEW, "view", 0, CHOICE, NULL, "cockpit", 0, 0, CHOICES_VIEW, COMMAND_FLY, "where the flight is seen from")      \
     X(COLOUR, "colour", 'c', CHOICE, NULL, "land", 0, 0, CHOICES_COLOUR, COMMANDS_PICTURE, "what colours mean")        \
     X(WIREFRAME, "wireframe", 'w', FLAG, NULL, "false", 0, 0, NULL, COMMANDS_PICTURE, "draw the triangles' edges")     \
     X(MAGENTA, "magenta", 0, FLAG, NULL, "false", 0, 0, NULL, COMMANDS_PICTURE, "a magenta sky, to count pinholes")    \

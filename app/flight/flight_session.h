@@ -18,6 +18,7 @@ typedef struct FlightSession {
     Governor governor;     // where settings.target_ms is above 0
     int64_t frames_judged; // that the governor was told of
     Flight flight;
+    CameraRig rig;
     Keyboard keyboard;
     Demo demo;
     bool demo_flies;
