@@ -13,7 +13,7 @@ import time
 import zlib
 
 SMALL = ["--size", "320x200"]
-SUBCOMMANDS = ["fly", "snapshot", "mesh", "bench", "reproduce", "info", "config"]
+SUBCOMMANDS = ["fly", "snapshot", "mesh", "bench", "reproduce", "info", "convert", "config"]
 
 
 DEM = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "assets/data/dem/jacksboro_fault.tif")
