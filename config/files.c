@@ -71,6 +71,17 @@ Result files_check_folder(const char *path) {
     return RESULT_OK;
 }
 
+Result files_check_folder_of(const char *file) {
+    char folder[PATHS_BYTES_MAX];
+    const char *slash = strrchr(file, '/');
+    int length = slash == file ? 1 : slash ? (int)(slash - file) : 0; // of "/x", x's folder is "/"
+    if (!fits(snprintf(folder, sizeof folder, "%.*s", slash ? length : 1, slash ? file : "."))) {
+        log_error("%s: too long; name a file of a shorter path", file);
+        return RESULT_RANGE;
+    }
+    return files_check_folder(folder);
+}
+
 Result files_make_folder(const char *path) {
     char part[PATHS_BYTES_MAX];
     if (!fits(snprintf(part, sizeof part, "%s", path)))

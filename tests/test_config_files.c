@@ -59,6 +59,20 @@ static void a_file_is_told_from_a_folder(void **state) {
     remove_place(&place);
 }
 
+static void a_file_to_be_made_is_asked_for_by_its_folder(void **state) {
+    (void)state;
+    Place place = make_place();
+    char deep[PATHS_BYTES_MAX], below_file[PATHS_BYTES_MAX];
+    snprintf(deep, sizeof deep, "%.200s/x.png", place.inner);
+    snprintf(below_file, sizeof below_file, "%.200s/x.png", place.file);
+    check_refused(files_check_folder_of, deep, RESULT_NOT_FOUND, "/inner: not a folder");
+    check_refused(files_check_folder_of, below_file, RESULT_IO, "/file: is a file, not a folder");
+    assert_int_equal(files_check_folder_of(place.inner), RESULT_OK);
+    assert_int_equal(files_check_folder_of("x.png"), RESULT_OK);
+    check_refused(files_check_folder_of, "/proc/x.png", RESULT_IO, "/proc: no file");
+    remove_place(&place);
+}
+
 // As somebody who may not write there, which root always may. 0: all was said as it should be.
 static int ask_as_somebody(const Place *place) {
     Heard heard;
@@ -93,6 +107,7 @@ static void the_true_cause_is_told(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_file_is_told_from_a_folder),
+        cmocka_unit_test(a_file_to_be_made_is_asked_for_by_its_folder),
         cmocka_unit_test(the_true_cause_is_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
