@@ -387,6 +387,8 @@ def pictures_are_spread_over_the_flight(cli):
                       "--picture-count", "4")
     expect("frames", report["frames"], 20)
     expect("pictures", sorted(os.listdir(cli.path("new/folder"))), [f"overfly-00{i}.png" for i in range(1, 5)])
+    cli.json("fly", *SMALL, "--no-window", "--lockstep", "--frames", "3", "--pictures", "few")
+    expect("pictures of fewer frames", sorted(os.listdir(cli.path("few"))), [f"overfly-00{i}.png" for i in range(1, 4)])
 
 
 def without_a_display_it_says_how_to_get_a_window(cli):
