@@ -279,8 +279,11 @@ def a_governed_flight_tells_its_target(cli):
     expect("fields", sorted(report["governed"]), ["changes", "changes_settled", "reach", "reachable", "settled"])
     if not report["software"]:
         return
-    slow = cli.json("fly", *SMALL, "--no-window", "--frames", "150", "--target-ms", "1")
+    run = cli.run("fly", "--size", "640x400", "--no-window", "--frames", "200", "--tau", "32", "--target-ms", "1", "--json")
+    slow = json.loads(run.out)
     expect("1 ms a frame", (slow["governed"]["reach"], slow["tau_px"]), ("too slow", 64))
+    if slow["frames"] * slow["frame_ms"]["mean"] > 3000:  # for so long that it is worth a word
+        expect(f"warnings in {run.err!r}", run.err.count("warning: --target-ms 1: even the coarsest tolerance"), 1)
 
 
 def the_governor_is_measured(cli):
