@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """`overfly bench` from outside, at tiny sizes: its report in a browser, its figures in CSV and JSON, how it repeats and
 how it refuses. Usage: test_bench.py OVERFLY [NAME]..."""
+import contextlib
 import csv
 import json
 import math
@@ -9,7 +10,7 @@ import shlex
 import shutil
 import sys
 
-from cli_support import DEM, Cli, Skip, expect, expect_true, run_cases
+from cli_support import DEM, Cli, Fault, Skip, expect, expect_true, run_cases
 
 TINY = ["--quick", "--methods", "hybrid,geomipmap,geomipmap-ye", "--tau", "2,4", "--errors", "midpoint,total:8",
         "--track", "ridge,turn", "--frames", "6", "--rounds", "5", "--size", "96x64", "--threads", "2"]
@@ -239,21 +240,40 @@ def nothing_is_left_behind_by_what_was_refused(cli):
     expect("folder", os.path.exists(os.path.join(cli.folder, "never")), False)
 
 
+@contextlib.contextmanager
 def open_browser(folder):
+    """A browser, and the driver between, which is ended whatever becomes of them."""
     try:
         from selenium import webdriver
+        from selenium.common.exceptions import WebDriverException
+        from selenium.webdriver.common import utils
     except ImportError as missing:
         raise Skip("python3-selenium is not there") from missing
     if not shutil.which("chromium") or not shutil.which("chromedriver"):
         raise Skip("chromium or its driver is not there")
+
+    class Service(webdriver.chrome.service.Service):
+        """Reached by its address, as its browser is by a pipe: a bare machine's `localhost` has no address."""
+        service_url = property(lambda self: f"http://127.0.0.1:{self.port}")
+
+        def is_connectable(self):
+            return utils.is_connectable(self.port, "127.0.0.1")
+
     options = webdriver.ChromeOptions()
     options.binary_location = shutil.which("chromium")
     for argument in ("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking",
-                     "--disable-component-update", "--disable-sync", f"--user-data-dir={folder}/browser"):
+                     "--disable-component-update", "--disable-sync", "--remote-debugging-pipe",
+                     f"--user-data-dir={folder}/browser"):
         options.add_argument(argument)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    service = webdriver.chrome.service.Service(shutil.which("chromedriver"))
-    return webdriver.Chrome(service=service, options=options)
+    service = Service(shutil.which("chromedriver"))
+    try:
+        yield webdriver.Chrome(service=service, options=options)
+    except WebDriverException as failed:
+        raise Fault(f"the browser or its driver: {failed.msg}") from failed
+    finally:
+        if getattr(service, "process", None):
+            service.stop()  # and with it its browsers
 
 
 def column_of(browser, column):
@@ -269,8 +289,7 @@ def click_title(browser, column):
 
 def the_report_works_in_a_browser(cli):
     folder, report = cli.report("first")
-    browser = open_browser(cli.folder)
-    try:
+    with open_browser(cli.folder) as browser:
         browser.get(f"file://{folder}/report.html")
         pictures = browser.execute_script(
             "return Array.from(document.images).map(i => [i.alt, i.complete && i.naturalWidth > 0])")
@@ -284,8 +303,6 @@ def the_report_works_in_a_browser(cli):
         check_sorting(browser, len(report["runs"]))
         expect("console", [entry for entry in browser.get_log("browser")], [])
         check_themes(browser)
-    finally:
-        browser.quit()
 
 
 def check_sorting(browser, count):

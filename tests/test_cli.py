@@ -141,7 +141,18 @@ def missing_files_are_named(cli):
     cli.refused(1, "gone.tif", "snapshot", scene, "-o", "x.png")
     scene = cli.write("odd.scene", "[terrain]\nden = gone.tif\n")
     cli.refused(1, f"{scene}:2:", "snapshot", scene, "-o", "x.png")
-    cli.refused(1, "nowhere/x.png", "snapshot", *SMALL, "-o", "nowhere/x.png")
+
+
+def folders_for_pictures_are_looked_at_before_the_work(cli):
+    """No word of an elevation model that is not there either: it would have been opened next."""
+    cli.write("plain", "")
+    lost = ["nowhere.tif", "--no-window", "--frames", "1"]
+    cli.refused(1, "mkdir -p 'nowhere'", "snapshot", "nowhere.tif", "-o", "nowhere/x.png")
+    cli.refused(1, "plain: is a file, not a folder", "snapshot", "nowhere.tif", "-o", "plain/x.png")
+    cli.refused(1, "mkdir -p 'nowhere'", "fly", *lost, "--screenshot", "nowhere/x.png")
+    cli.refused(1, "plain: is a file, not a folder", "fly", *lost, "--pictures", "plain")
+    cli.refused(1, "no file can be made in it", "fly", *lost, "--pictures", "/proc")
+    cli.refused(1, "nowhere.tif", "fly", *lost, "--screenshot", "x.png", "--pictures", "made")
 
 
 def a_wrong_image_is_refused_in_one_message(cli):
@@ -268,8 +279,11 @@ def a_governed_flight_tells_its_target(cli):
     expect("fields", sorted(report["governed"]), ["changes", "changes_settled", "reach", "reachable", "settled"])
     if not report["software"]:
         return
-    slow = cli.json("fly", *SMALL, "--no-window", "--frames", "150", "--target-ms", "1")
+    run = cli.run("fly", "--size", "640x400", "--no-window", "--frames", "200", "--tau", "32", "--target-ms", "1", "--json")
+    slow = json.loads(run.out)
     expect("1 ms a frame", (slow["governed"]["reach"], slow["tau_px"]), ("too slow", 64))
+    if slow["frames"] * slow["frame_ms"]["mean"] > 3000:  # for so long that it is worth a word
+        expect(f"warnings in {run.err!r}", run.err.count("warning: --target-ms 1: even the coarsest tolerance"), 1)
 
 
 def the_governor_is_measured(cli):
@@ -376,6 +390,8 @@ def pictures_are_spread_over_the_flight(cli):
                       "--picture-count", "4")
     expect("frames", report["frames"], 20)
     expect("pictures", sorted(os.listdir(cli.path("new/folder"))), [f"overfly-00{i}.png" for i in range(1, 5)])
+    cli.json("fly", *SMALL, "--no-window", "--lockstep", "--frames", "3", "--pictures", "few")
+    expect("pictures of fewer frames", sorted(os.listdir(cli.path("few"))), [f"overfly-00{i}.png" for i in range(1, 4)])
 
 
 def without_a_display_it_says_how_to_get_a_window(cli):
@@ -440,6 +456,7 @@ def a_full_disk_is_an_error(cli):
 CASES = [help_is_instant_and_complete, help_comes_even_with_a_damaged_file, wrong_usage_is_exit_2,
          a_wrong_kind_of_errors_is_told_the_right_ones,
          options_may_come_before_the_subcommand, a_damaged_file_is_named_with_its_line, sources_win_in_order, missing_files_are_named,
+         folders_for_pictures_are_looked_at_before_the_work,
          a_wrong_image_is_refused_in_one_message, image_bounds_without_an_image_are_wrong_usage,
          an_image_beside_the_terrain_is_warned_of, an_eye_under_the_ground_is_warned_of,
          missing_files_are_named_before_a_window_is_wanted, info_names_every_file, overlapping_files_are_warned_of,

@@ -2,6 +2,8 @@
 
 #include "app/flight/flight_contact.h"
 #include "app/flight/flight_forces.h"
+#include "base/log.h"
+#include "base/statistics.h"
 #include "terrain/geodesy.h"
 
 #include <math.h>
@@ -108,6 +110,22 @@ static GovernorFrame judged_frame(const PipelineFrame *frame) {
                            .disturbed = frame->disturbed};
 }
 
+static double median_cost_ms(const PipelineStats *stats) {
+    double cost_ms[PIPELINE_FRAMES_KEPT];
+    int count = 0;
+    for (int64_t i = 0; i < stats->frames && i < PIPELINE_FRAMES_KEPT; i++)
+        if (!stats->latest[i].disturbed)
+            cost_ms[count++] = stats->latest[i].cost_ms;
+    statistics_sort(cost_ms, count);
+    return count ? statistics_percentile(cost_ms, count, 0.5) : stats->frame_ms;
+}
+
+static void warn_of_slow_frames(const FlightSession *session, const PipelineStats *stats) {
+    log_warn("--target-ms %g: even the coarsest tolerance, %g px, takes %.3g ms a frame here; take a longer time, or "
+             "fewer pixels (--size)",
+             session->settings.target_ms, GOVERNOR_TAU_MAX_PX, median_cost_ms(stats));
+}
+
 void session_govern(FlightSession *session, const PipelineStats *stats) {
     FlightSettings *settings = &session->settings;
     if (!(settings->target_ms > 0.0))
@@ -119,6 +137,8 @@ void session_govern(FlightSession *session, const PipelineStats *stats) {
     for (; session->frames_judged < stats->frames; session->frames_judged++) {
         GovernorFrame frame = judged_frame(&stats->latest[session->frames_judged % PIPELINE_FRAMES_KEPT]);
         (void)governor_hear(&session->governor, &frame);
+        if (governor_notice_slow(&session->slow_notice, &session->governor, frame.passed_s))
+            warn_of_slow_frames(session, stats);
     }
     settings->tau_px = session->governor.tau_px;
 }
