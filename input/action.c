@@ -54,10 +54,27 @@ Action action_of_key(int key, bool shift) {
 }
 
 static const struct {
+    int key;
+    Action action;
+} replay_bindings[] = {
+    {KEY_LEFT, ACTION_REPLAY_BACK},           {KEY_RIGHT, ACTION_REPLAY_AHEAD}, {KEY_UP, ACTION_REPLAY_FASTER},
+    {KEY_DOWN, ACTION_REPLAY_SLOWER},         {' ', ACTION_REPLAY_PLAY},        {KEY_BACKSPACE, ACTION_REPLAY_TURN},
+    {KEY_HOME, ACTION_REPLAY_START},          {KEY_END, ACTION_REPLAY_END},     {KEY_ENTER, ACTION_REPLAY_TAKE_OVER},
+    {KEY_PAD_ENTER, ACTION_REPLAY_TAKE_OVER},
+};
+
+Action action_of_replay_key(int key) {
+    for (size_t i = 0; i < COUNT_OF(replay_bindings); i++)
+        if (replay_bindings[i].key == key)
+            return replay_bindings[i].action;
+    return key >= '0' && key <= '9' ? ACTION_REPLAY_TENTH : ACTION_NONE;
+}
+
+static const struct {
     const char *keys, *help;
 } texts[ACTION_COUNT] = {
 #define ACTION_TEXT(id, keys, help) [ACTION_##id] = {keys, help},
-    ACTION_HELD_TABLE(ACTION_TEXT) ACTION_ONCE_TABLE(ACTION_TEXT)
+    ACTION_HELD_TABLE(ACTION_TEXT) ACTION_ONCE_TABLE(ACTION_TEXT) ACTION_REPLAY_TABLE(ACTION_TEXT)
 #undef ACTION_TEXT
 };
 

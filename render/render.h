@@ -28,6 +28,16 @@ typedef struct RenderHelpRow {
 } RenderHelpRow;
 
 // What the HUD and the panel say. Text is UTF-8.
+// Where a recorded flight is.
+typedef struct RenderReplay {
+    bool show;
+    double t_s, duration_s;
+    double rate; // below 0: backwards
+    bool paused;
+    bool in_gap;  // nothing is recorded of this time
+    bool derived; // the attitude was worked out from the path
+} RenderReplay;
+
 typedef struct RenderHud {
     bool show_flight, show_numbers, show_help;
     double heading_rad, pitch_rad, bank_rad;
@@ -53,6 +63,7 @@ typedef struct RenderHud {
     const RenderHelpRow *help;     // the page of keys, help_count rows; static
     int help_count;
     const char *message; // one line for a few seconds, or NULL; lives as long as the packet
+    RenderReplay replay;
     RenderAccuracy accuracy;
 } RenderHud;
 

@@ -17,7 +17,9 @@
 static void on_key(void *user, int key, int scancode, bool pressed, bool repeated, bool shift) {
     (void)scancode; // key codes already name positions
     FlightLoop *loop = user;
-    if (!repeated)
+    if (repeated)
+        session_on_repeat(loop->session, key);
+    else
         session_on_key(loop->session, key, pressed, shift);
 }
 
@@ -32,8 +34,15 @@ static void on_resize(void *user, int width, int height) {
 static bool is_over(const FlightLoop *loop, int64_t ordered) {
     bool demo_over =
         !loop->window && loop->frames == 0 && loop->session->demo.count > 0 && demo_is_over(&loop->session->demo);
-    return (loop->frames > 0 && ordered >= loop->frames) || loop->session->leave_wanted || demo_over ||
+    bool replay_over = !loop->window && loop->frames == 0 && loop->session->playback &&
+                       timeline_is_at_end(&loop->session->timeline) && ordered > 0;
+    return (loop->frames > 0 && ordered >= loop->frames) || loop->session->leave_wanted || demo_over || replay_over ||
            (loop->window && context_should_close(loop->context)) || signals_leave_wanted();
+}
+
+// What a frame is of the flight where none waits for the clock: exactly, as a film needs it.
+static double frame_s(const FlightLoop *loop) {
+    return loop->session->playback ? 1.0 / loop->fps : FIXED_FRAME_S;
 }
 
 // The frames that the pictures are spread over.
@@ -41,6 +50,8 @@ static int64_t expected_frames(const FlightLoop *loop) {
     const FlightSession *session = loop->session;
     if (loop->frames > 0)
         return loop->frames;
+    if (session->playback)
+        return (int64_t)(timeline_left_s(&session->timeline) / frame_s(loop)) + 1;
     if (session->demo.count == 0)
         return (int64_t)loop->picture_count * PICTURE_SPACING;
     FlightInstruments now = flight_instruments(&session->flight);
@@ -50,6 +61,8 @@ static int64_t expected_frames(const FlightLoop *loop) {
 
 // Whether frame `index` of the flight is one of the evenly spread pictures.
 static bool is_picture(const FlightLoop *loop, int64_t index) {
+    if (loop->pictures && loop->every > 0)
+        return index % loop->every == 0;
     if (!loop->pictures || index >= loop->picture_frames)
         return false;
     int64_t frames = loop->picture_frames, count = loop->picture_count;
@@ -77,6 +90,7 @@ static void make_order(FlightLoop *loop, int64_t index, FrameOrder *order) {
     session_govern(loop->session, &stats);
     session_order(loop->session, loop->width, loop->height, stats.frame_ms, stats.frame_p99_ms, order);
     monitor_follow(loop->monitor, loop->session->settings.show_accuracy, order);
+    order->film = loop->film && index >= 0;
     if (index >= 0)
         name_picture(loop, index, order);
 }
@@ -92,7 +106,7 @@ static Result draw_last_picture(FlightLoop *loop) {
 // Waits until the next frame is due; without a window nobody watches, and nothing waits.
 static double pass_time(const FlightLoop *loop, int64_t *due_ns, int64_t *last_ns) {
     if (!loop->window || loop->lockstep)
-        return FIXED_FRAME_S;
+        return frame_s(loop);
     *due_ns += (int64_t)(1e9 / loop->fps);
     int64_t now_ns = clock_now_ns();
     if (*due_ns < now_ns)

@@ -150,9 +150,17 @@ static void take_over(FlightSession *session, const char *why) {
 }
 
 void session_on_key(FlightSession *session, int key, bool pressed, bool shift) {
+    if (session->playback && pressed && session_replay_key(session, key))
+        return;
     keyboard_on_key(&session->keyboard, key, pressed, shift);
     if (session->demo_flies && session->settings.view != CAMERA_FREE && keyboard_touches_controls(&session->keyboard))
         take_over(session, "you have control");
+}
+
+void session_on_repeat(FlightSession *session, int key) {
+    Action action = session->playback ? action_of_replay_key(key) : ACTION_NONE;
+    if (action == ACTION_REPLAY_BACK || action == ACTION_REPLAY_AHEAD)
+        (void)session_replay_key(session, key);
 }
 
 static void act(FlightSession *session, Action action) {
@@ -202,12 +210,19 @@ static void step(FlightSession *session) {
         take_over(session, "the demo is over: you have control");
 }
 
-void session_advance(FlightSession *session, double passed_s) {
-    for (Action action; (action = keyboard_next_action(&session->keyboard)) != ACTION_NONE;)
-        act(session, action);
+static void fly_steps(FlightSession *session, double passed_s) {
     int steps = flight_clock_steps(&session->settings.clock, passed_s, FLIGHT_STEP_S);
     for (int i = 0; i < steps; i++)
         step(session);
+}
+
+void session_advance(FlightSession *session, double passed_s) {
+    for (Action action; (action = keyboard_next_action(&session->keyboard)) != ACTION_NONE;)
+        act(session, action);
+    if (session->playback)
+        session_replay_advance(session, passed_s);
+    else
+        fly_steps(session, passed_s);
     const CameraMotion motion = camera_motion(session);
     camera_rig_advance(&session->rig, &session->flight, session->settings.view, &motion, passed_s);
     session->message_s = fmax(session->message_s - passed_s, 0.0);
@@ -218,21 +233,33 @@ double session_altitude_m(const FlightSession *session, const FlightInstruments 
                                          now->lon_rad / GEODESY_RAD_PER_DEG);
 }
 
-// The page of keys, from the table of actions.
-static const RenderHelpRow help_rows[] = {
+// The pages of keys, from the tables of actions.
 #define HELP_ROW(id, keys, help) {keys, help},
-    ACTION_HELD_TABLE(HELP_ROW) ACTION_ONCE_TABLE(HELP_ROW)
+static const RenderHelpRow help_rows[] = {ACTION_HELD_TABLE(HELP_ROW) ACTION_ONCE_TABLE(HELP_ROW)};
+static const RenderHelpRow replay_help_rows[] = {ACTION_REPLAY_TABLE(HELP_ROW) ACTION_ONCE_TABLE(HELP_ROW)};
 #undef HELP_ROW
-};
+
+static RenderReplay make_replay(const FlightSession *session) {
+    const Timeline *timeline = &session->timeline;
+    return (RenderReplay){.show = session->playback != NULL,
+                          .t_s = timeline->t_s,
+                          .duration_s = timeline->duration_s,
+                          .rate = timeline_rate(timeline),
+                          .paused = timeline->paused,
+                          .in_gap = session->moment.in_gap,
+                          .derived = session->moment.derived};
+}
 
 static RenderHud make_hud(const FlightSession *session, double frame_ms, double frame_p99_ms) {
     const FlightSettings *settings = &session->settings;
     FlightInstruments now = flight_instruments(&session->flight);
+    bool only_path = session->playback && session->moment.only_path;
     return (RenderHud){.show_flight = settings->show_flight,
                        .show_numbers = settings->show_numbers,
                        .show_help = settings->show_help,
-                       .help = help_rows,
-                       .help_count = (int)COUNT_OF(help_rows),
+                       .help = session->playback ? replay_help_rows : help_rows,
+                       .help_count = session->playback ? (int)COUNT_OF(replay_help_rows) : (int)COUNT_OF(help_rows),
+                       .replay = make_replay(session),
                        .heading_rad = now.heading_rad,
                        .pitch_rad = now.pitch_rad,
                        .bank_rad = now.bank_rad,
@@ -240,12 +267,12 @@ static RenderHud make_hud(const FlightSession *session, double frame_ms, double 
                        .altitude_m = session_altitude_m(session, &now),
                        .above_ground_m = now.above_ground_m,
                        .vertical_speed_m_s = now.vertical_speed_m_s,
-                       .throttle = session->flight.state.throttle,
+                       .throttle = only_path ? (double)NAN : session->flight.state.throttle,
                        .velocity_ecef = session->flight.state.velocity_ecef,
                        .over_terrain = now.over_ground,
                        .crashed = session->flight.state.contact == FLIGHT_CRASHED,
                        .paused = settings->clock.paused,
-                       .alpha_rad = now.alpha_rad,
+                       .alpha_rad = only_path ? (double)NAN : now.alpha_rad,
                        .outside = camera_is_outside(settings->view),
                        .aircraft_ecef = session->flight.state.position_ecef,
                        .nose_ecef = quatd_rotate(session->flight.state.ecef_from_body, vec3d(1, 0, 0)),
