@@ -346,7 +346,7 @@ static Result put_dem(const Page *page, int dem) {
     fputs(
         "<h3>All runs</h3>\n<p class=\"dim\">Errors are of every sample in every frame. Times are of all frames in all "
         "rounds but the first of each burst, those of single stages the means of the rounds' medians; \"least\" and "
-        "\"most round\" are the p50 of single rounds.</p>\n",
+        "\"most round\" are the p50 of single rounds. The table scrolls sideways.</p>\n",
         to);
     put_runs(page, dem);
     fputs(
