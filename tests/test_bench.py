@@ -116,7 +116,7 @@ def summaries_are_those_of_the_frames(cli):
 def the_command_of_the_worst_frame_measures_it_again(cli):
     for run in cli.report("first")[1]["runs"]:
         words = shlex.split(run["worst_frame"]["command"])
-        expect("program", words[0], "overfly")
+        expect("program, as it was called", words[0], cli.program)
         code, out, err = cli.run(*words[1:], "--json")
         expect(f"exit status, having said {err!r}", code, 0)
         expect(f"{run['variant']}: error", json.loads(out)["measured"]["max_px"], run["worst_frame"]["max_px"])
@@ -316,9 +316,24 @@ def the_report_works_in_a_browser(cli):
         outside = browser.execute_script("return performance.getEntriesByType('resource').map(r => r.name)"
                                          ".filter(name => !name.startsWith('data:'))")
         expect("what the page asks for", outside, [])
+        check_wide_table(browser)
         check_sorting(browser, len(report["runs"]))
         expect("console", [entry for entry in browser.get_log("browser")], [])
         check_themes(browser)
+
+
+def check_wide_table(browser):
+    """It scrolls in a box of its own, beside the names of its rows; the page does not."""
+    browser.set_window_size(1280, 900)
+    page, box, left, name = browser.execute_script("""
+        const box = document.querySelector('.scroll'), page = document.documentElement;
+        box.scrollLeft = 500;
+        const name = box.querySelector('tbody td').getBoundingClientRect();
+        return [[page.scrollWidth, window.innerWidth], [box.scrollWidth, box.clientWidth], box.scrollLeft,
+                [name.left, box.getBoundingClientRect().left]];""")
+    expect_true(f"the page is as wide as the window: {page}", page[0] <= page[1])
+    expect_true(f"the table is wider than its box, which scrolls: {box}, {left}", box[0] > box[1] and left > 100)
+    expect("where the name is", name[0], name[1])
 
 
 def check_sorting(browser, count):
