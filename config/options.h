@@ -75,6 +75,10 @@ typedef struct Options Options;
 MUST_USE Result options_create(CommandId command, Options **out);
 void options_destroy(Options **options);
 
+// How the program was called, for commands that people are told; borrowed. "overfly" if never named.
+void options_name_program(Options *options, const char *program);
+const char *options_program(const Options *options);
+
 // Sets an option from its text. A source of lower precedence than the present one changes nothing, but is checked all
 // the same. `where` names the place for messages ("--tau", "OVERFLY_TAU", "overfly.conf:12: tau") and is kept. USAGE:
 // the value is not of the type or outside the range; the message says what was expected.

@@ -257,6 +257,7 @@ def partitions_draw_the_serial_triangles(cli):
 def a_snapshot_is_the_same_each_time(cli):
     for name in ("a.png", "b.png"):
         report = cli.json("snapshot", *SMALL, "-o", name)
+        expect_in("log", f"{name}: hybrid, ", cli.run("snapshot", *SMALL, "-o", name).err)
         expect("eye", len(report["eye"]), 3)
         if report["triangles"] < 100:
             raise Fault(f"only {report['triangles']} triangles")
@@ -305,6 +306,7 @@ def two_methods_are_reported_side_by_side(cli):
     if not report["triangles"] < report["right"]["triangles"]:
         raise Fault(f"expected fewer triangles than brute's, found {report}")
     said = cli.run(*picture).err
+    expect_in("what was written", "two.png: two methods side by side", said)
     expect_in("log", "left: hybrid, ", said)
     expect_in("log", "right: brute, ", said)
     flight = ["fly", "--no-window", "--frames", "2", *view, "--method", "brute", "--compare", "hybrid", "--json"]
