@@ -169,16 +169,16 @@ static void test_igc_extensions_add_digits(void **state) {
 
 static void test_gpx_segments_are_gaps_and_other_tracks_are_left_out(void **state) {
     (void)state;
-    static const char text[] = GPX(
-        "<wpt lat=\"1\" lon=\"2\"><ele>5</ele></wpt>\n<trk><name>a &amp; b</name><trkseg>\n" PT(
-            "46.5", "8", AT("00", "1500")) PT("46.5001", "8.0001",
-                                              AT("01.250", "1501.5") "<extensions><x><ele>9</ele></x></extensions>")
-            PT("46.5002", "8.0002", AT("03", "1503")) "</trkseg><trkseg>\n" PT(
-                "46.5003", "8.0003", AT("05", "1505")) PT("46.5003", "8.0003", "<ele>3</ele>")
-                PT("46.5003", "8.0003", "<time>2024-06-01T12:00:06Z</time>") "</trkseg></trk>\n<trk><name>c</"
-                                                                             "name><trkseg>" PT(
-                                                                                 "47", "9",
-                                                                                 AT("00", "2000")) "</trkseg></trk>");
+    static const char text[] =
+        GPX("<wpt lat=\"1\" lon=\"2\"><ele>5</ele></wpt>\n<trk><name>a &amp; b</name><trkseg>\n" PT("46.5", "8",
+                                                                                                    AT("00", "1500"))
+                PT("46.5001", "8.0001", AT("01.250", "1501.5") "<extensions><x><ele>9</ele></x></extensions>")
+                    PT("46.5002", "8.0002", AT("03", "1503")) "</trkseg><trkseg>\n" PT(
+                        "46.5003", "8.0003", AT("05", "1505")) PT("46.5003", "8.0003", "<ele>3</ele>")
+                        PT("46.5003", "8.0003",
+                           "<time>2024-06-01T12:00:06Z</time>") "</trkseg></trk>\n<trk><name>c</"
+                                                                "name><trkseg>" PT("47", "9",
+                                                                                   AT("00", "2000")) "</trkseg></trk>");
     Read first = read_as(text, ".gpx", track_reading_default());
     assert_int_equal(first.result, RESULT_OK);
     Track *track = &first.track;
