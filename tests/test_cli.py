@@ -445,6 +445,58 @@ def a_flight_starts_in_the_air_wherever_it_is_asked_to(cli):
             raise Fault(f"{name} is {report[name]!r} after a second at 10 km/s")
 
 
+FLIGHT = ("AXXX001\r\nHFDTE010624\r\nHFALG:GEO\r\n" +
+          "".join(f"B12{i // 60:02}{i % 60:02}46{30000 + 15 * i:05}N00800000EA00000{1500 + i:05}\r\n" for i in range(90) if i != 30))
+
+
+def flights_are_converted(cli):
+    cli.write("a.igc", FLIGHT)
+    for ending in ("gpx", "kml", "acmi", "csv", "igc"):
+        report = cli.json("convert", "a.igc", f"b.{ending}")
+        for name, wanted in (("format", "igc"), ("points", 89), ("gaps", 0), ("duration_s", 89), ("heights", "geoid"),
+                             ("attitude", "derived"), ("start_utc", "2024-06-01T12:00:00Z"), ("output_format", ending)):
+            expect(f"{ending}: {name}", report[name], wanted)
+        back = cli.json("convert", f"b.{ending}", f"c-{ending}.csv")
+        for name in ("points", "gaps", "duration_s", "start_utc", "attitude"):
+            expect(f"{ending}: {name} read again", back[name], report[name])
+    text = cli.run("convert", "a.igc", "b.gpx").out
+    for part in ("89 points, 89 s, from 2024-06-01T12:00:00Z", "above the geoid", "derived from the path", "has no attitude"):
+        expect_in("convert", part, text)
+
+
+def conversions_that_cannot_be_are_refused(cli):
+    cli.write("a.igc", FLIGHT)
+    cli.write("still.csv", "t_s,lat_deg,lon_deg,alt_m\n0,46,8,1\n1,46,8,1\n")
+    os.symlink("a.igc", cli.path("link.igc"))
+    before = sorted(os.listdir(cli.folder))
+    cli.refused(2, "expected two files", "convert", "a.igc")
+    cli.refused(2, "expected a name that ends with one of .igc, .gpx, .kml, .acmi, .csv", "convert", "a.igc", "b.txt")
+    cli.refused(2, "is the file that is read", "convert", "a.igc", "link.igc")
+    cli.refused(2, "give it one: --start", "convert", "still.csv", "b.gpx")
+    cli.refused(2, "--start: found 'noon'", "convert", "still.csv", "b.gpx", "--start", "noon")
+    cli.refused(2, "--igc-alt", "convert", "a.igc", "b.gpx", "--igc-alt", "msl")
+    cli.refused(1, "missing.igc", "convert", "missing.igc", "b.gpx")
+    cli.refused(1, "a folder", "convert", ".", "b.gpx")
+    cli.refused(1, "cannot be written", "convert", "a.igc", os.path.join("nowhere", "b.gpx"))
+    cli.refused(1, "no-geoid.pgm", "convert", "a.igc", "b.gpx", "--geoid", "no-geoid.pgm")
+    expect("files", sorted(os.listdir(cli.folder)), before)
+    if os.path.exists("/dev/full"):
+        os.symlink("/dev/full", cli.path("full.gpx"))
+        cli.refused(1, "No space left", "convert", "a.igc", "full.gpx")
+
+
+def a_flight_without_a_date_is_given_one(cli):
+    cli.write("still.csv", "t_s,lat_deg,lon_deg,alt_m\n0,46,8,1\n1,46,8,1\n")
+    report = cli.json("convert", "still.csv", "b.kml", "--start", "2024-06-01T12:00:00Z")
+    expect("start", report["start_utc"], "2024-06-01T12:00:00Z")
+    expect("start in the file", cli.json("convert", "b.kml", "c.csv")["start_utc"], "2024-06-01T12:00:00Z")
+
+
+def a_pipe_is_not_waited_for(cli):
+    os.mkfifo(cli.path("pipe.igc"))
+    cli.refused(1, "no regular file", "convert", "pipe.igc", "b.gpx")
+
+
 def a_full_disk_is_an_error(cli):
     if not os.path.exists("/dev/full"):
         return
@@ -471,7 +523,9 @@ CASES = [help_is_instant_and_complete, help_comes_even_with_a_damaged_file, wron
          a_flight_repeats_in_lockstep, overlapped_stages_draw_what_lockstep_draws,
          pictures_are_spread_over_the_flight, without_a_display_it_says_how_to_get_a_window,
          an_old_opengl_is_named_beside_what_is_needed, signals_end_a_flight_cleanly,
-         a_flight_starts_in_the_air_wherever_it_is_asked_to, a_full_disk_is_an_error]
+         a_flight_starts_in_the_air_wherever_it_is_asked_to, flights_are_converted,
+         conversions_that_cannot_be_are_refused, a_flight_without_a_date_is_given_one, a_pipe_is_not_waited_for,
+         a_full_disk_is_an_error]
 
 
 def main():

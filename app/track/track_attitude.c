@@ -14,6 +14,9 @@ typedef struct Leg {
     bool slow;
 } Leg;
 
+// Both sides take the same number of evenly spaced points, however their times are rounded.
+#define REACH_S (TRACK_WINDOW_S + 1e-4)
+
 typedef struct Window {
     int first, last; // points
 } Window;
@@ -40,10 +43,10 @@ static Vec3d way_between(const TrackPoint *from, const TrackPoint *to) {
 // Moves on to point `i`; both ends only ever go forward.
 static void move_window(const Track *track, Window segment, int i, Window *window) {
     const TrackPoint *p = track->points;
-    while (window->first < i - 1 && p[window->first].t_s < p[i].t_s - TRACK_WINDOW_S)
+    while (window->first < i - 1 && p[window->first].t_s < p[i].t_s - REACH_S)
         window->first++;
     window->last = window->last > i ? window->last : i;
-    while (window->last < segment.last && (window->last <= i || p[window->last + 1].t_s <= p[i].t_s + TRACK_WINDOW_S))
+    while (window->last < segment.last && (window->last <= i || p[window->last + 1].t_s <= p[i].t_s + REACH_S))
         window->last++;
 }
 
