@@ -44,7 +44,8 @@ struct FakePad {
     UMockdevIoctlBase *handler;
     int address;
     pthread_mutex_t mutex; // over what follows: umockdev answers on a thread of its own
-    bool is_gone, is_with_kernel;
+    bool is_gone;
+    FakeHolder holder;
     UMockdevIoctlData *flying[FLYING_MAX], *done[FLYING_MAX]; // URBs
     int flying_count, done_count;
     FakeReport reports[REPORTS_MAX];
@@ -78,6 +79,12 @@ FakeBed *fake_bed_create(void) {
     g_free(folder);
     g_free(root);
     return bed;
+}
+
+void fake_bed_open_to_all(FakeBed *bed) {
+    gchar *root = umockdev_testbed_get_root_dir(bed->testbed);
+    assert_int_equal(chmod(root, 0755), 0);
+    g_free(root);
 }
 
 static void announce_removal(UMockdevTestbed *testbed, const char *device) {
@@ -215,6 +222,15 @@ void fake_stick_send(FakeStick *stick, const uint8_t *bytes, size_t count) {
     assert_int_equal(write(stick->fd, bytes, count), count);
 }
 
+// umockdev leaves the node behind, which the kernel takes away.
+static void remove_node(FakeStick *stick, const char *node) {
+    gchar *root = umockdev_testbed_get_root_dir(stick->testbed);
+    gchar *file = g_strconcat(root, node, NULL);
+    assert_int_equal(unlink(file), 0);
+    g_free(file);
+    g_free(root);
+}
+
 void fake_stick_unplug(FakeStick *stick) {
     gchar *paths[4], node[32];
     if (stick->fd < 0)
@@ -225,6 +241,7 @@ void fake_stick_unplug(FakeStick *stick) {
     stick_paths(stick, paths);
     for (int i = 0; i < 4; i++)
         announce_removal(stick->testbed, paths[i]);
+    remove_node(stick, node);
     detach(stick->testbed, node);
     free_paths(paths);
 }
@@ -310,7 +327,7 @@ static int discard(FakePad *pad, UMockdevIoctlClient *client) {
 }
 
 static int tell_driver(const FakePad *pad, UMockdevIoctlClient *client) {
-    if (!pad->is_with_kernel)
+    if (pad->holder != FAKE_KERNEL)
         return ENODATA;
     UMockdevIoctlData *data = argument(client, sizeof(struct usbdevfs_getdriver));
     struct usbdevfs_getdriver *driver = (void *)data->data;
@@ -343,13 +360,15 @@ static int serve(FakePad *pad, UMockdevIoctlClient *client) {
     case USBDEVFS_GETDRIVER:
         return tell_driver(pad, client);
     case USBDEVFS_DISCONNECT_CLAIM:
-        pad->is_with_kernel = false;
+        if (pad->holder == FAKE_HELD)
+            return EBUSY;
+        pad->holder = FAKE_FREE;
         return 0;
     case USBDEVFS_IOCTL: // libusb sends it to give the interface back
-        pad->is_with_kernel = true;
+        pad->holder = FAKE_KERNEL;
         return 0;
     case USBDEVFS_CLAIMINTERFACE:
-        return pad->is_with_kernel ? EBUSY : 0;
+        return pad->holder != FAKE_FREE ? EBUSY : 0;
     case USBDEVFS_RELEASEINTERFACE:
         return 0;
     default:
@@ -385,13 +404,13 @@ static void plug_pad(FakePad *pad, const char *node) {
     g_free(path);
 }
 
-FakePad *fake_pad_plug(FakeBed *bed, int address, bool kernel_driver) {
+FakePad *fake_pad_plug(FakeBed *bed, int address, FakeHolder holder) {
     char node[32];
     FakePad *pad = calloc(1, sizeof *pad);
     assert_true(bed->pad_count < PADS_MAX);
     bed->pads[bed->pad_count++] = pad;
     *pad = (FakePad){.testbed = bed->testbed, .handler = umockdev_ioctl_base_new(), .address = address};
-    pad->is_with_kernel = kernel_driver;
+    pad->holder = holder;
     pthread_mutex_init(&pad->mutex, NULL);
     g_signal_connect(pad->handler, "handle-ioctl", G_CALLBACK(on_usb_ioctl), pad);
     snprintf(node, sizeof node, "/dev/bus/usb/001/%03d", address);
@@ -437,9 +456,15 @@ int fake_pad_rumbles(FakePad *pad, uint8_t out[FAKE_RUMBLES_MAX][8]) {
     return count;
 }
 
+void fake_pad_let_go(FakePad *pad) {
+    pthread_mutex_lock(&pad->mutex);
+    pad->holder = FAKE_FREE;
+    pthread_mutex_unlock(&pad->mutex);
+}
+
 bool fake_pad_is_with_kernel(FakePad *pad) {
     pthread_mutex_lock(&pad->mutex);
-    bool is_with_kernel = pad->is_with_kernel;
+    bool is_with_kernel = pad->holder == FAKE_KERNEL;
     pthread_mutex_unlock(&pad->mutex);
     return is_with_kernel;
 }

@@ -15,6 +15,8 @@ typedef struct FakePad FakePad;     // a wired Xbox 360 pad
 bool fake_bed_works(void);
 FakeBed *fake_bed_create(void);
 void fake_bed_destroy(FakeBed **bed);
+// Others than its maker may look into its /sys and /dev, where nodes have their own permissions.
+void fake_bed_open_to_all(FakeBed *bed);
 
 typedef struct FakeStickModel {
     uint16_t vendor, product;
@@ -31,15 +33,21 @@ void fake_joystick_report(double x, double y, double rz, double slider, int hat,
                           uint8_t out[FAKE_STICK_BYTES]);
 extern const FakeStickModel FAKE_MOUSE; // which nobody should read
 
-// As /dev/hidraw`number`, announced as the kernel does.
+// As /dev/hidraw`number`, a new one each time: umockdev makes no node twice.
 FakeStick *fake_stick_plug(FakeBed *bed, const FakeStickModel *model, int number);
 // The node is a terminal's: two reports that nobody read in between are read as one, so leave time between them.
 void fake_stick_send(FakeStick *stick, const uint8_t *bytes, size_t count);
 void fake_stick_unplug(FakeStick *stick);
 
-// As /dev/bus/usb/001/`address`, a new one each time, as the kernel does. With `kernel_driver` the interface is in the
-// hands of xpad until somebody detaches it.
-FakePad *fake_pad_plug(FakeBed *bed, int address, bool kernel_driver);
+// Who has a pad's interface when it is plugged in.
+typedef enum FakeHolder {
+    FAKE_FREE,
+    FAKE_KERNEL, // its driver xpad, until somebody detaches it
+    FAKE_HELD,   // another program, until fake_pad_let_go: whoever wants it is told that it is busy
+} FakeHolder;
+// As /dev/bus/usb/001/`address`, a new one each time, as the kernel does.
+FakePad *fake_pad_plug(FakeBed *bed, int address, FakeHolder holder);
+void fake_pad_let_go(FakePad *pad);
 void fake_pad_send(FakePad *pad, const uint8_t *bytes, size_t count);
 void fake_pad_unplug(FakePad *pad);
 // The messages sent to the motors so far, the first FAKE_RUMBLES_MAX; their number.

@@ -7,6 +7,7 @@
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 // Of a slot at most LEFT and what came after it wait, so that a full queue always has a report to lose.
 _Static_assert(DEVICE_QUEUE_EVENTS > 2 * DEVICES_MAX, "the queue holds more than all that may not be lost");
@@ -118,8 +119,19 @@ void device_queue_leave(DeviceQueue *queue, int slot) {
     pthread_mutex_unlock(&queue->mutex);
 }
 
+// Who puts may have been stopped by the scheduler just when it held the mutex.
+static bool lock_soon(pthread_mutex_t *mutex) {
+    struct timespec until;
+    clock_gettime(CLOCK_REALTIME, &until);
+    until.tv_nsec += DEVICE_QUEUE_WAIT_NS;
+    until.tv_sec += until.tv_nsec / 1000000000;
+    until.tv_nsec %= 1000000000;
+    return pthread_mutex_timedlock(mutex, &until) == 0;
+}
+
 int device_queue_take(DeviceQueue *queue, DeviceEvent *out, int max) {
-    pthread_mutex_lock(&queue->mutex);
+    if (!lock_soon(&queue->mutex))
+        return 0;
     int count = queue->count < max ? queue->count : max;
     for (int i = 0; i < count; i++) {
         out[i] = queue->events[i];

@@ -5,6 +5,7 @@
 #include "input/devices/device_event.h"
 
 #define DEVICE_QUEUE_EVENTS 256
+#define DEVICE_QUEUE_WAIT_NS 200000 // that taking waits for the mutex
 
 typedef struct DeviceQueue DeviceQueue;
 
@@ -19,7 +20,8 @@ void device_queue_report(DeviceQueue *queue, int slot, int64_t time_ns, const Pa
 // LEFT, and the slot is free.
 void device_queue_leave(DeviceQueue *queue, int slot);
 
-// The oldest `max` events, in order; their number. A full queue loses, for a new report, the oldest report of the same
+// The oldest `max` events, in order; their number. None as well when the mutex is not to be had within
+// DEVICE_QUEUE_WAIT_NS: they come next time. A full queue loses, for a new report, the oldest report of the same
 // slot, else the oldest of all. An arrival is lost only together with its departure; a device that left before its
 // reports were taken takes them along.
 int device_queue_take(DeviceQueue *queue, DeviceEvent *out, int max);

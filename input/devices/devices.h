@@ -12,9 +12,10 @@ MUST_USE Result devices_create(Devices **devices);
 // Within about a second: ends the threads, stops motors, hands devices back. NULL inside is accepted.
 void devices_destroy(Devices **devices);
 
-// The oldest `max` events into `out`, in order; their number. Waits for no device: for a mutex, while one event is
-// copied. 256 events wait at most. When nobody polls, a new report pushes out the oldest of the same device; arrivals
-// and departures are not lost, but that of a device that came and went between two polls is never told.
+// The oldest `max` events into `out`, in order; their number. Waits for no device, and at most 0.2 ms for a mutex;
+// where that is not enough, events come with the next poll. 256 events are kept at most: when nobody polls, a new
+// report pushes out the oldest of the same device. Arrivals and departures are not lost, but those of a device that
+// came and went between two polls are never told.
 int devices_poll(Devices *devices, DeviceEvent *out, int max);
 // Blocks until all devices that are there now were announced, at most so long. False: it took longer.
 bool devices_wait(Devices *devices, double seconds_max);
