@@ -32,5 +32,7 @@ Action keyboard_next_action(Keyboard *keyboard);
 // cancel. Rudder and throttle stay where they are left.
 Controls keyboard_sample(Keyboard *keyboard, double dt_s);
 void keyboard_centre(Keyboard *keyboard);
+// -1, 0 or 1: which of two held actions is held; opposite ones cancel.
+int keyboard_direction(const Keyboard *keyboard, Action negative, Action positive);
 bool keyboard_touches_controls(const Keyboard *keyboard); // a control key is down
 void keyboard_set_throttle(Keyboard *keyboard, double throttle);
