@@ -18,6 +18,8 @@
 #define CHOICES_TILE_SIDE "3|5|9|17|33|65|129"
 #define CHOICES_COMPUTE "auto|gpu|cpu"
 #define CHOICES_TIME_RATE "1/4|1/2|1|2|4|8|16"
+#define CHOICES_VIEW "cockpit|chase|fly-by|map|free|right|back|left|down"
+#define CHOICES_IGC_ALT "pressure|ellipsoid|geoid"
 #define CHOICES_COLOUR "land|level|cache|partition"
 
 // clang-format off
@@ -37,7 +39,8 @@
       "between samples, for images without georeference")                                                              \
     X(BOUNDS, "bounds", 0, BOUNDS, "W,S,E,N", NULL, 0, 0, NULL, COMMANDS_DEM,                                          \
       "degrees, for images without georeference")                                                                      \
-    X(GEOID, "geoid", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMANDS_WORK, "EGM96 grid (.pgm) instead of the own one")    \
+    X(GEOID, "geoid", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMANDS_WORK | COMMAND_CONVERT,                              \
+      "EGM96 grid (.pgm) instead of the own one")                                                                      \
     X(ERROR, "error", 0, CHOICE, NULL, "total", 1, 1024, CHOICES_ERROR, COMMANDS_SCENE,                                \
       "how vertex errors are defined; only total bounds the error at every sample; total:N looks at the samples of "   \
       "diamonds up to a step of N, and bounds larger ones")                                                            \
@@ -72,6 +75,7 @@
     X(LOOK, "look", 0, DIRECTION, "HEADING,PITCH", NULL, 0, 0, NULL, COMMANDS_SCENE, "degrees; north is 0, up is +")   \
     X(OUTPUT, "output", 'o', PATH, "FILE", NULL, 0, 0, NULL, COMMAND_SNAPSHOT | COMMAND_MESH, "where to write")        \
                                                                                                                        \
+    X(VIEW, "view", 0, CHOICE, NULL, "cockpit", 0, 0, CHOICES_VIEW, COMMAND_FLY, "where the flight is seen from")      \
     X(COLOUR, "colour", 'c', CHOICE, NULL, "land", 0, 0, CHOICES_COLOUR, COMMANDS_PICTURE, "what colours mean")        \
     X(WIREFRAME, "wireframe", 'w', FLAG, NULL, "false", 0, 0, NULL, COMMANDS_PICTURE, "draw the triangles' edges")     \
     X(MAGENTA, "magenta", 0, FLAG, NULL, "false", 0, 0, NULL, COMMANDS_PICTURE, "a magenta sky, to count pinholes")    \
@@ -129,6 +133,14 @@
       "samples a side (2^n + 1, separated by commas) instead of the paper's")                                          \
     X(SECONDS, "seconds", 0, NUMBER, "S", NULL, 0.1, 3600, NULL, COMMAND_REPRODUCE,                                    \
       "length of the flights instead of the experiment's own")                                                         \
+                                                                                                                       \
+    X(IGC_ALT, "igc-alt", 0, CHOICE, NULL, NULL, 0, 0, CHOICES_IGC_ALT, COMMAND_CONVERT,                               \
+      "altitudes of an IGC file: its pressure column as it is, or its GNSS column above the ellipsoid (if not given) " \
+      "or the geoid where HFALG does not say")                                                                         \
+    X(OBJECT, "object", 0, TEXT, "NAME", NULL, 0, 0, NULL, COMMAND_CONVERT,                                            \
+      "which track of several: its name, or its number; of ACMI its id")                                               \
+    X(START, "start", 0, TEXT, "TIME", NULL, 0, 0, NULL, COMMAND_CONVERT,                                              \
+      "when the flight began, as 2024-06-01T12:00:00Z, instead of what the file says")                                 \
                                                                                                                        \
     X(CULL, "cull", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_MESH, "only what the view frustum holds")
 // clang-format on

@@ -23,6 +23,8 @@ Keyboard keyboard_create(double throttle);
 
 // As the window reports them. A release frees what the press held, whatever shift is by then.
 void keyboard_on_key(Keyboard *keyboard, int key, bool pressed, bool shift);
+// The same for what a pad's button does; a release follows each press.
+void keyboard_on_action(Keyboard *keyboard, Action action, bool pressed);
 // The next action that happens once, in order of presses; ACTION_NONE when there is none left.
 Action keyboard_next_action(Keyboard *keyboard);
 
@@ -30,5 +32,7 @@ Action keyboard_next_action(Keyboard *keyboard);
 // cancel. Rudder and throttle stay where they are left.
 Controls keyboard_sample(Keyboard *keyboard, double dt_s);
 void keyboard_centre(Keyboard *keyboard);
+// -1, 0 or 1: which of two held actions is held; opposite ones cancel.
+int keyboard_direction(const Keyboard *keyboard, Action negative, Action positive);
 bool keyboard_touches_controls(const Keyboard *keyboard); // a control key is down
 void keyboard_set_throttle(Keyboard *keyboard, double throttle);

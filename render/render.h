@@ -35,6 +35,14 @@ typedef struct RenderHud {
     Vec3d velocity_ecef;                                                        // m/s, for the flight path marker
     bool over_terrain;                                                          // above_ground_m is valid
     bool crashed, paused;
+    double alpha_rad;   // angle of attack; NaN: not told
+    bool stalls;        // or is about to
+    double flaps;       // 0 up .. 1 full
+    bool gear_retracts; // `gear` is told
+    double gear;        // 0 up .. 1 down and locked
+    bool brakes;
+    bool outside; // the camera is not on board: instead of the attitude the aircraft is marked where it is small, at
+    Vec3d aircraft_ecef, nose_ecef, wing_ecef; // metres; unit, ahead; unit, to the right
     bool show_names;               // where the picture is split and show_numbers is not set: the methods and their cuts
     const char *datum;             // of altitude_m: "EGM96"; static
     const char *method;            // lod_method_name of what made the cut; static, or NULL

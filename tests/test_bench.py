@@ -1,17 +1,17 @@
 #!/usr/bin/env python3
 """`overfly bench` from outside, at tiny sizes: its report in a browser, its figures in CSV and JSON, how it repeats and
 how it refuses. Usage: test_bench.py OVERFLY [NAME]..."""
+import contextlib
 import csv
 import json
 import math
 import os
 import shlex
 import shutil
-import subprocess
 import sys
-import tempfile
 
-DEM = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "assets/data/dem/jacksboro_fault.tif")
+from cli_support import DEM, Cli, Fault, Skip, expect, expect_true, run_cases
+
 TINY = ["--quick", "--methods", "hybrid,geomipmap,geomipmap-ye", "--tau", "2,4", "--errors", "midpoint,total:8",
         "--track", "ridge,turn", "--frames", "6", "--rounds", "5", "--size", "96x64", "--threads", "2"]
 SMALL = ["--quick", "--tau", "2,4", "--errors", "total", "--track", "turn", "--frames", "6", "--rounds", "1", "--size",
@@ -24,37 +24,12 @@ TIMES = [f"{stage}_ms{end}" for end in ("", "_min", "_max") for stage in ("selec
 TIMES += ["memory_bytes"]
 
 
-class Fault(Exception):
-    pass
-
-
-class Skip(Exception):
-    pass
-
-
-def expect(what, found, wanted):
-    if found != wanted:
-        raise Fault(f"{what}: expected {wanted!r}, found {found!r}")
-
-
-def expect_true(what, holds):
-    if not holds:
-        raise Fault(what)
-
-
-class Cli:
-    """Runs the program; two runs of the tiny benchmark, each once, are kept."""
+class BenchCli(Cli):
+    """Two runs of the tiny benchmark, each once, are kept."""
 
     def __init__(self, program, folder):
-        self.program, self.folder, self.reports = program, folder, {}
-        self.environment = {k: v for k, v in os.environ.items() if not k.startswith("OVERFLY_")}
-        self.environment.update(HOME=folder, XDG_CONFIG_HOME=os.path.join(folder, "config"))
-        self.environment.pop("DISPLAY", None)
-
-    def run(self, *arguments, **environment):
-        done = subprocess.run([self.program, *arguments], capture_output=True, text=True, cwd=self.folder,
-                              env={**self.environment, **environment}, timeout=400, check=False)
-        return done.returncode, done.stdout, done.stderr
+        super().__init__(program, folder)
+        self.reports = {}
 
     def report(self, name):
         """(folder, JSON) of a run of the tiny benchmark."""
@@ -64,15 +39,6 @@ class Cli:
             expect(f"exit status, having said {err!r}", code, 0)
             self.reports[name] = (folder, json.loads(out))
         return self.reports[name]
-
-    def refused(self, code, said, *arguments, **environment):
-        found, out, err = self.run(*arguments, **environment)
-        what = " ".join(arguments)
-        expect(f"{what}: exit status, having said {err!r}", found, code)
-        expect(f"{what}: stdout", out, "")
-        expect(f"{what}: errors in {err!r}", err.count("error: "), 1)
-        for part in said:
-            expect_true(f"{what}: expected {part!r} in {err!r}", part in err)
 
 
 def rows_of(folder, name):
@@ -274,21 +240,40 @@ def nothing_is_left_behind_by_what_was_refused(cli):
     expect("folder", os.path.exists(os.path.join(cli.folder, "never")), False)
 
 
+@contextlib.contextmanager
 def open_browser(folder):
+    """A browser, and the driver between, which is ended whatever becomes of them."""
     try:
         from selenium import webdriver
+        from selenium.common.exceptions import WebDriverException
+        from selenium.webdriver.common import utils
     except ImportError as missing:
         raise Skip("python3-selenium is not there") from missing
     if not shutil.which("chromium") or not shutil.which("chromedriver"):
         raise Skip("chromium or its driver is not there")
+
+    class Service(webdriver.chrome.service.Service):
+        """Reached by its address, as its browser is by a pipe: a bare machine's `localhost` has no address."""
+        service_url = property(lambda self: f"http://127.0.0.1:{self.port}")
+
+        def is_connectable(self):
+            return utils.is_connectable(self.port, "127.0.0.1")
+
     options = webdriver.ChromeOptions()
     options.binary_location = shutil.which("chromium")
     for argument in ("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking",
-                     "--disable-component-update", "--disable-sync", f"--user-data-dir={folder}/browser"):
+                     "--disable-component-update", "--disable-sync", "--remote-debugging-pipe",
+                     f"--user-data-dir={folder}/browser"):
         options.add_argument(argument)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    service = webdriver.chrome.service.Service(shutil.which("chromedriver"))
-    return webdriver.Chrome(service=service, options=options)
+    service = Service(shutil.which("chromedriver"))
+    try:
+        yield webdriver.Chrome(service=service, options=options)
+    except WebDriverException as failed:
+        raise Fault(f"the browser or its driver: {failed.msg}") from failed
+    finally:
+        if getattr(service, "process", None):
+            service.stop()  # and with it its browsers
 
 
 def column_of(browser, column):
@@ -304,8 +289,7 @@ def click_title(browser, column):
 
 def the_report_works_in_a_browser(cli):
     folder, report = cli.report("first")
-    browser = open_browser(cli.folder)
-    try:
+    with open_browser(cli.folder) as browser:
         browser.get(f"file://{folder}/report.html")
         pictures = browser.execute_script(
             "return Array.from(document.images).map(i => [i.alt, i.complete && i.naturalWidth > 0])")
@@ -319,8 +303,6 @@ def the_report_works_in_a_browser(cli):
         check_sorting(browser, len(report["runs"]))
         expect("console", [entry for entry in browser.get_log("browser")], [])
         check_themes(browser)
-    finally:
-        browser.quit()
 
 
 def check_sorting(browser, count):
@@ -365,24 +347,5 @@ CASES = [all_files_are_there, json_keeps_its_contract, promises_are_those_of_the
          the_report_works_in_a_browser]
 
 
-def main():
-    program, wanted = os.path.abspath(sys.argv[1]), sys.argv[2:]
-    faults = 0
-    with tempfile.TemporaryDirectory() as folder:
-        cli = Cli(program, folder)
-        for case in CASES:
-            if wanted and case.__name__ not in wanted:
-                continue
-            try:
-                case(cli)
-                print(f"ok      {case.__name__}", flush=True)
-            except Skip as skip:
-                print(f"skipped {case.__name__}: {skip}", flush=True)
-            except (Fault, subprocess.TimeoutExpired, ValueError, KeyError, OSError) as fault:
-                faults += 1
-                print(f"FAILED  {case.__name__}: {fault}", flush=True)
-    return 1 if faults else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_cases(CASES, BenchCli))

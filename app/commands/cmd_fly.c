@@ -34,7 +34,9 @@ static Result check_outputs(const Options *options) {
     const char *screenshot = options_text(options, OPTION_SCREENSHOT),
                *pictures = options_text(options, OPTION_PICTURES);
     Result result = screenshot ? picture_check_name(screenshot, "--screenshot") : RESULT_OK;
-    return result == RESULT_OK && pictures ? files_make_folder(pictures) : result;
+    if (result == RESULT_OK && pictures)
+        result = files_make_folder(pictures);
+    return result == RESULT_OK && pictures ? files_check_folder(pictures) : result;
 }
 
 // Whether the flight ends by itself, so that it makes sense without a window.

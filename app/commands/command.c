@@ -14,6 +14,8 @@ const Command command_table[] = {
      "run a paper's experiment, and show its figures beside ours", cmd_reproduce},
     {COMMAND_INFO, "info", "DEM...", -1, "what is in elevation files: size, spacing, datum, bounds, range, voids",
      cmd_info},
+    {COMMAND_CONVERT, "convert", "IN OUT", 2, "turn a recorded flight into another format: IGC, GPX, KML, ACMI, CSV",
+     cmd_convert},
     {COMMAND_CONFIG, "config", "[SUBCOMMAND]", 1, "show the effective options and where each came from", cmd_config},
     {0},
 };

@@ -48,22 +48,20 @@ static int64_t expected_frames(const FlightLoop *loop) {
     return (int64_t)(duration_s / (FIXED_FRAME_S * flight_clock_rate(&session->settings.clock))) + 1;
 }
 
-// Whether frame `index` of the flight is one of the evenly spread pictures, and which: from 1.
-static int picture_number(const FlightLoop *loop, int64_t index) {
+// Whether frame `index` of the flight is one of the evenly spread pictures.
+static bool is_picture(const FlightLoop *loop, int64_t index) {
     if (!loop->pictures || index >= loop->picture_frames)
-        return 0;
+        return false;
     int64_t frames = loop->picture_frames, count = loop->picture_count;
-    int64_t before = (index * count + frames - 1) / frames, after = ((index + 1) * count + frames - 1) / frames;
-    return after > before ? (int)after : 0;
+    return ((index + 1) * count + frames - 1) / frames > (index * count + frames - 1) / frames;
 }
 
 static void name_picture(FlightLoop *loop, int64_t index, FrameOrder *order) {
-    int number = picture_number(loop, index);
     bool last = loop->screenshot && loop->frames > 0 && index + 1 == loop->frames;
     if (last)
         snprintf(order->picture, sizeof order->picture, "%s", loop->screenshot);
-    else if (number > 0)
-        snprintf(order->picture, sizeof order->picture, "%s/overfly-%03d.png", loop->pictures, number);
+    else if (is_picture(loop, index))
+        snprintf(order->picture, sizeof order->picture, "%s/overfly-%03d.png", loop->pictures, ++loop->pictures_begun);
     else if (loop->session->screenshot_wanted && picture_new_name((int64_t)time(NULL), order->picture) == RESULT_OK) {
         char message[PIPELINE_MESSAGE_BYTES];
         loop->session->screenshot_wanted = false;

@@ -2,6 +2,8 @@
 
 #include "app/flight/flight_contact.h"
 #include "app/flight/flight_forces.h"
+#include "base/log.h"
+#include "base/statistics.h"
 #include "terrain/geodesy.h"
 
 #include <math.h>
@@ -108,6 +110,22 @@ static GovernorFrame judged_frame(const PipelineFrame *frame) {
                            .disturbed = frame->disturbed};
 }
 
+static double median_cost_ms(const PipelineStats *stats) {
+    double cost_ms[PIPELINE_FRAMES_KEPT];
+    int count = 0;
+    for (int64_t i = 0; i < stats->frames && i < PIPELINE_FRAMES_KEPT; i++)
+        if (!stats->latest[i].disturbed)
+            cost_ms[count++] = stats->latest[i].cost_ms;
+    statistics_sort(cost_ms, count);
+    return count ? statistics_percentile(cost_ms, count, 0.5) : stats->frame_ms;
+}
+
+static void warn_of_slow_frames(const FlightSession *session, const PipelineStats *stats) {
+    log_warn("--target-ms %g: even the coarsest tolerance, %g px, takes %.3g ms a frame here; take a longer time, or "
+             "fewer pixels (--size)",
+             session->settings.target_ms, GOVERNOR_TAU_MAX_PX, median_cost_ms(stats));
+}
+
 void session_govern(FlightSession *session, const PipelineStats *stats) {
     FlightSettings *settings = &session->settings;
     if (!(settings->target_ms > 0.0))
@@ -119,6 +137,8 @@ void session_govern(FlightSession *session, const PipelineStats *stats) {
     for (; session->frames_judged < stats->frames; session->frames_judged++) {
         GovernorFrame frame = judged_frame(&stats->latest[session->frames_judged % PIPELINE_FRAMES_KEPT]);
         (void)governor_hear(&session->governor, &frame);
+        if (governor_notice_slow(&session->slow_notice, &session->governor, frame.passed_s))
+            warn_of_slow_frames(session, stats);
     }
     settings->tau_px = session->governor.tau_px;
 }
@@ -131,7 +151,7 @@ static void take_over(FlightSession *session, const char *why) {
 
 void session_on_key(FlightSession *session, int key, bool pressed, bool shift) {
     keyboard_on_key(&session->keyboard, key, pressed, shift);
-    if (session->demo_flies && keyboard_touches_controls(&session->keyboard))
+    if (session->demo_flies && session->settings.view != CAMERA_FREE && keyboard_touches_controls(&session->keyboard))
         take_over(session, "you have control");
 }
 
@@ -153,8 +173,24 @@ static void act(FlightSession *session, Action action) {
     }
 }
 
+// In the free view the stick flies the camera, and the aircraft keeps its controls.
+static CameraMotion camera_motion(const FlightSession *session) {
+    const Keyboard *keyboard = &session->keyboard;
+    if (session->settings.view != CAMERA_FREE)
+        return (CameraMotion){0};
+    return (CameraMotion){.turn = keyboard_direction(keyboard, ACTION_STICK_LEFT, ACTION_STICK_RIGHT),
+                          .tilt = keyboard_direction(keyboard, ACTION_STICK_BACK, ACTION_STICK_FORWARD),
+                          .ahead = keyboard_direction(keyboard, ACTION_THROTTLE_DOWN, ACTION_THROTTLE_UP),
+                          .aside = keyboard_direction(keyboard, ACTION_RUDDER_LEFT, ACTION_RUDDER_RIGHT)};
+}
+
+static Controls sample_keyboard(FlightSession *session) {
+    bool flies_camera = session->settings.view == CAMERA_FREE;
+    return flies_camera ? session->keyboard.controls : keyboard_sample(&session->keyboard, FLIGHT_STEP_S);
+}
+
 static void step(FlightSession *session) {
-    Controls controls = keyboard_sample(&session->keyboard, FLIGHT_STEP_S);
+    Controls controls = sample_keyboard(session);
     if (session->demo_flies)
         controls = demo_fly(&session->demo, &session->flight);
     FlightContact before = session->flight.state.contact;
@@ -172,6 +208,8 @@ void session_advance(FlightSession *session, double passed_s) {
     int steps = flight_clock_steps(&session->settings.clock, passed_s, FLIGHT_STEP_S);
     for (int i = 0; i < steps; i++)
         step(session);
+    const CameraMotion motion = camera_motion(session);
+    camera_rig_advance(&session->rig, &session->flight, session->settings.view, &motion, passed_s);
     session->message_s = fmax(session->message_s - passed_s, 0.0);
 }
 
@@ -207,6 +245,11 @@ static RenderHud make_hud(const FlightSession *session, double frame_ms, double 
                        .over_terrain = now.over_ground,
                        .crashed = session->flight.state.contact == FLIGHT_CRASHED,
                        .paused = settings->clock.paused,
+                       .alpha_rad = now.alpha_rad,
+                       .outside = camera_is_outside(settings->view),
+                       .aircraft_ecef = session->flight.state.position_ecef,
+                       .nose_ecef = quatd_rotate(session->flight.state.ecef_from_body, vec3d(1, 0, 0)),
+                       .wing_ecef = quatd_rotate(session->flight.state.ecef_from_body, vec3d(0, 1, 0)),
                        .datum = "EGM96",
                        .show_names = settings->show_flight && !settings->show_numbers,
                        .target_ms = settings->target_ms,
@@ -224,7 +267,7 @@ void session_order(const FlightSession *session, int width, int height, double f
                           .width = width,
                           .height = height};
     RenderPacket *look = &order->look;
-    look->camera = camera_of_flight(&session->flight, settings->view, settings->fov_rad);
+    look->camera = camera_of_flight(&session->flight, &session->rig, settings->view, settings->fov_rad);
     look->sun_ecef = session->sun_ecef;
     look->colouring = settings->colouring;
     look->wireframe = settings->wireframe;

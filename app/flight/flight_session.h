@@ -17,7 +17,9 @@ typedef struct FlightSession {
     FlightSettings settings;
     Governor governor;     // where settings.target_ms is above 0
     int64_t frames_judged; // that the governor was told of
+    GovernorNotice slow_notice;
     Flight flight;
+    CameraRig rig;
     Keyboard keyboard;
     Demo demo;
     bool demo_flies;
@@ -40,7 +42,8 @@ void session_say(FlightSession *session, const char *message);
 // Says when a method could not come, and which one is shown instead; and when the GPU could not work for it.
 void session_hear_changes(FlightSession *session, const MethodChanges *changes, LodMethod shown);
 
-// Tells the governor, if there is one, what the frames cost that were drawn since, and sets the tolerance.
+// Tells the governor, if there is one, what the frames cost that were drawn since, and sets the tolerance. A target
+// that is out of reach is warned of.
 void session_govern(FlightSession *session, const PipelineStats *stats);
 
 // What to draw now, in a framebuffer of that size. `frame_ms` and `frame_p99_ms` are for the HUD.

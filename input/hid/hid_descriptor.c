@@ -12,7 +12,6 @@
 #define LONG_ITEM 0xfe
 
 // Usage pages and usages: "HID Usage Tables" 1.12, sections 3, 4, 5 and 12.
-#define PAGE_DESKTOP 0x01
 #define PAGE_SIMULATION 0x02
 #define PAGE_BUTTON 0x09
 #define USAGE_JOYSTICK 0x00010004u
@@ -296,7 +295,8 @@ static void add_variable(HidDescriptor *out, HidField field, uint32_t usage) {
     }
 }
 
-// Each value has the next usage; the last usage is that of all values that are left.
+// Each value has the next usage; the last usage is that of all values that are left. Of buttons those are padding:
+// devices that declare 128 bits for 29 buttons are sold.
 static void add_variables(Parser *parser, HidField field, uint32_t count) {
     const Locals *locals = &parser->locals;
     int range = 0;
@@ -308,6 +308,8 @@ static void add_variables(Parser *parser, HidField field, uint32_t count) {
             usage++;
         else if (range + 1 < locals->range_count)
             usage = locals->ranges[++range].first;
+        else if (usage >> 16 == PAGE_BUTTON)
+            break;
     }
 }
 
