@@ -31,7 +31,10 @@ void keyboard_on_key(Keyboard *keyboard, int key, bool pressed, bool shift) {
     if (key < 0 || key >= KEY_LIMIT || is_down(keyboard, key) == pressed)
         return;
     set_down(keyboard, key, pressed);
-    Action action = action_of_key(key, shift);
+    keyboard_on_action(keyboard, action_of_key(key, shift), pressed);
+}
+
+void keyboard_on_action(Keyboard *keyboard, Action action, bool pressed) {
     if (action == ACTION_NONE)
         return;
     if (action < ACTION_HELD_COUNT)

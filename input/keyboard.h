@@ -23,6 +23,8 @@ Keyboard keyboard_create(double throttle);
 
 // As the window reports them. A release frees what the press held, whatever shift is by then.
 void keyboard_on_key(Keyboard *keyboard, int key, bool pressed, bool shift);
+// The same for what a pad's button does; a release follows each press.
+void keyboard_on_action(Keyboard *keyboard, Action action, bool pressed);
 // The next action that happens once, in order of presses; ACTION_NONE when there is none left.
 Action keyboard_next_action(Keyboard *keyboard);
 
