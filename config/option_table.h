@@ -102,6 +102,7 @@
       "leave after N frames, or measure so many; 0: when told to, or a measurement's own number")                      \
     X(LOCKSTEP, "lockstep", 0, FLAG, NULL, "false", 0, 0, NULL, COMMANDS_FLIGHT,                                       \
       "stages one after another, 1/60 s a frame: the same pictures each time")                                         \
+    X(JOYSTICK, "joystick", 0, FLAG, NULL, "true", 0, 0, NULL, COMMANDS_FLIGHT, "look for sticks and gamepads")        \
     X(DEMO, "demo", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY, "fly the scene's demonstration")                  \
     X(TIME_RATE, "time-rate", 0, CHOICE, NULL, "1", 0, 0, CHOICES_TIME_RATE, COMMAND_FLY,                              \
       "how fast time runs at the start")                                                                               \

@@ -18,6 +18,7 @@
 #define KEY_F1 290
 #define KEY_F2 291
 #define KEY_F3 292
+#define KEY_F5 294
 #define KEY_PAD_0 320
 #define KEY_PAD_2 322
 #define KEY_PAD_4 324
@@ -37,10 +38,17 @@
     X(RUDDER_LEFT, "0", "rudder left")                                                                                 \
     X(RUDDER_RIGHT, "Enter", "rudder right")                                                                           \
     X(THROTTLE_UP, "PgUp", "more throttle")                                                                            \
-    X(THROTTLE_DOWN, "PgDn", "less throttle")
+    X(THROTTLE_DOWN, "PgDn", "less throttle")                                                                          \
+    X(TRIM_DOWN, "Home", "trim nose down")                                                                             \
+    X(TRIM_UP, "End", "trim nose up")                                                                                  \
+    X(BRAKES, "b", "wheel brakes")
 
 #define ACTION_ONCE_TABLE(X)                                                                                           \
     X(CENTRE, "5", "centre stick and rudder")                                                                          \
+    X(FLAPS_UP, "[", "flaps up a notch")                                                                               \
+    X(FLAPS_DOWN, "]", "flaps down a notch")                                                                           \
+    X(GEAR_UP, "g", "gear up")                                                                                         \
+    X(GEAR_DOWN, "G", "gear down")                                                                                     \
     X(VIEW_NEXT, "v", "next view")                                                                                     \
     X(VIEW_PREVIOUS, "V", "previous view")                                                                             \
     X(ZOOM_IN, "x", "narrower field of view")                                                                          \

@@ -134,11 +134,25 @@ static void test_the_free_camera_begins_where_the_view_was_and_goes_where_it_is_
     assert_true(above_ground_m(&camera) > 0.99);
 }
 
+static void test_a_head_turns_in_the_cockpit(void **state) {
+    (void)state;
+    Flight flight = flight_at(47.0, 0.7, 500.0, 60.0);
+    const CameraRig right = {.look_right = 1.0}, up = {.look_up = 1.0}, both = {.look_right = -0.7, .look_up = -0.4};
+    Vec3d nose = vec3d_mad(flight.state.position_ecef, quatd_rotate(flight.state.ecef_from_body, vec3d(1, 0, 0)), 9.0);
+    RenderCamera camera = camera_of_flight(&flight, &right, CAMERA_COCKPIT, 1.0);
+    assert_true(seen(&camera, nose).x < -5.0); // the nose is on the left now
+    camera = camera_of_flight(&flight, &up, CAMERA_COCKPIT, 1.0);
+    assert_true(seen(&camera, nose).y < -5.0);
+    camera = camera_of_flight(&flight, &both, CAMERA_COCKPIT, 1.0);
+    check_orthonormal(&camera, "a turned head");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_view_is_a_camera_above_the_ground),
         cmocka_unit_test(test_the_fly_by_looks_at_the_aircraft_and_waits_for_it_again_ahead),
         cmocka_unit_test(test_the_map_has_north_up_and_the_aircraft_in_its_middle),
+        cmocka_unit_test(test_a_head_turns_in_the_cockpit),
         cmocka_unit_test(test_the_free_camera_begins_where_the_view_was_and_goes_where_it_is_flown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -8,6 +8,8 @@
 #define CHASE_BEHIND_M 45.0
 #define CHASE_ABOVE_M 14.0
 #define EYE_CLEARANCE_M 1.0
+#define LOOK_RIGHT_RAD 2.1
+#define LOOK_UP_RAD 1.0
 #define FLY_BY_AHEAD_S 4.0 // of flight: where the eye waits,
 #define FLY_BY_AHEAD_MIN_M 60.0
 #define FLY_BY_AHEAD_MAX_M 500.0
@@ -188,9 +190,20 @@ static RenderCamera free_camera(const CameraRig *rig) {
     return (RenderCamera){.eye_ecef = rig->eye_ecef, .camera_from_ecef = rows(right, up, vec3d_scale(ahead, -1.0))};
 }
 
-static RenderCamera on_board(const Flight *flight, CameraView view, Vec3d local_up) {
+// As a head turns: about the body's vertical, then up or down.
+static void turn_head(const CameraRig *rig, Vec3d *ahead, Vec3d *up) {
+    Quatd turn = quatd_from_axis_angle(vec3d(0, 0, 1), rig->look_right * LOOK_RIGHT_RAD);
+    Quatd tilt = quatd_from_axis_angle(vec3d(0, 1, 0), rig->look_up * LOOK_UP_RAD);
+    Quatd both = quatd_mul(turn, tilt);
+    *ahead = quatd_rotate(both, *ahead);
+    *up = quatd_rotate(both, *up);
+}
+
+static RenderCamera on_board(const Flight *flight, const CameraRig *rig, CameraView view, Vec3d local_up) {
     Vec3d ahead, up;
     view_axes(view, &ahead, &up);
+    if (view == CAMERA_COCKPIT && (rig->look_right != 0.0 || rig->look_up != 0.0))
+        turn_head(rig, &ahead, &up);
     Quatd attitude = flight->state.ecef_from_body;
     return (RenderCamera){.eye_ecef = above_ground(flight, flight->state.position_ecef, local_up),
                           .camera_from_ecef = look_along(quatd_rotate(attitude, ahead), quatd_rotate(attitude, up))};
@@ -213,7 +226,7 @@ static RenderCamera camera_of_view(const Flight *flight, const CameraRig *rig, C
     case CAMERA_FREE:
         return free_camera(rig);
     default:
-        return on_board(flight, view, local_up);
+        return on_board(flight, rig, view, local_up);
     }
 }
 

@@ -22,11 +22,12 @@ bool camera_is_outside(CameraView view);       // the aircraft is seen from with
 
 // What the views that do not hang on the aircraft remember.
 typedef struct CameraRig {
-    CameraView view;    // that it was moved for last
-    Vec3d eye_ecef;     // of fly-by and free
-    double placed_m;    // fly-by: how far the aircraft was when the eye was put there
-    double heading_rad; // free: clockwise from north
-    double pitch_rad;   // free: up
+    CameraView view;            // that it was moved for last
+    Vec3d eye_ecef;             // of fly-by and free
+    double placed_m;            // fly-by: how far the aircraft was when the eye was put there
+    double heading_rad;         // free: clockwise from north
+    double pitch_rad;           // free: up
+    double look_right, look_up; // in the cockpit: shares of all that a head turns, -1..1
 } CameraRig;
 
 // How a person flies the free camera: shares of its full speeds, -1..1.

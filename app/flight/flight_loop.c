@@ -131,6 +131,7 @@ static Result fly_frames(FlightLoop *loop) {
         double passed_s = pass_time(loop, &due_ns, &last_ns);
         if (loop->window)
             context_poll_events(loop->context);
+        loop->session->now_ns = loop->window && !loop->lockstep ? last_ns : 0;
         session_advance(loop->session, passed_s);
     }
     bool picture_due = loop->screenshot && !(loop->frames > 0 && index >= loop->frames);

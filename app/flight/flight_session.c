@@ -175,6 +175,14 @@ static void act(FlightSession *session, Action action) {
     case ACTION_CENTRE:
         keyboard_centre(&session->keyboard);
         return;
+    case ACTION_FLAPS_UP:
+    case ACTION_FLAPS_DOWN:
+        keyboard_move_flaps(&session->keyboard, action == ACTION_FLAPS_DOWN);
+        return;
+    case ACTION_GEAR_UP:
+    case ACTION_GEAR_DOWN:
+        keyboard_set_gear(&session->keyboard, action == ACTION_GEAR_UP);
+        return;
     default:
         if (flight_settings_apply(&session->settings, action, message, sizeof message) && message[0])
             session_say(session, message);
@@ -193,8 +201,23 @@ static CameraMotion camera_motion(const FlightSession *session) {
 }
 
 static Controls sample_keyboard(FlightSession *session) {
-    bool flies_camera = session->settings.view == CAMERA_FREE;
-    return flies_camera ? session->keyboard.controls : keyboard_sample(&session->keyboard, FLIGHT_STEP_S);
+    if (session->settings.view == CAMERA_FREE)
+        return session->keyboard.controls;
+    if (session->pilot)
+        return pilot_sample(session->pilot, &session->keyboard, FLIGHT_STEP_S);
+    return keyboard_sample(&session->keyboard, FLIGHT_STEP_S);
+}
+
+// What pads reported before a step begins acts in it.
+static void hear_pads(FlightSession *session, int64_t until_ns) {
+    char message[PILOT_MESSAGE_BYTES];
+    if (!session->pilot)
+        return;
+    pilot_hear(session->pilot, &session->keyboard, until_ns, message);
+    if (message[0])
+        session_say(session, message);
+    if (pilot_was_touched(session->pilot) && session->demo_flies)
+        take_over(session, "you have control");
 }
 
 static void step(FlightSession *session) {
@@ -212,17 +235,27 @@ static void step(FlightSession *session) {
 
 static void fly_steps(FlightSession *session, double passed_s) {
     int steps = flight_clock_steps(&session->settings.clock, passed_s, FLIGHT_STEP_S);
-    for (int i = 0; i < steps; i++)
+    double step_ns = FLIGHT_STEP_S / flight_clock_rate(&session->settings.clock) * 1e9;
+    double end_ns = (double)session->now_ns - session->settings.clock.owed_s * 1e9;
+    for (int i = 0; i < steps; i++) {
+        hear_pads(session, session->now_ns ? (int64_t)(end_ns - (steps - i) * step_ns) : PILOT_EVERYTHING);
         step(session);
+    }
 }
 
 void session_advance(FlightSession *session, double passed_s) {
+    if (session->pilot)
+        pilot_poll(session->pilot);
+    if (session->playback || session->settings.clock.paused)
+        hear_pads(session, PILOT_EVERYTHING);
     for (Action action; (action = keyboard_next_action(&session->keyboard)) != ACTION_NONE;)
         act(session, action);
     if (session->playback)
         session_replay_advance(session, passed_s);
     else
         fly_steps(session, passed_s);
+    if (session->pilot)
+        pilot_look(session->pilot, &session->rig.look_right, &session->rig.look_up);
     const CameraMotion motion = camera_motion(session);
     camera_rig_advance(&session->rig, &session->flight, session->settings.view, &motion, passed_s);
     session->message_s = fmax(session->message_s - passed_s, 0.0);

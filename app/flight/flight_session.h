@@ -6,6 +6,7 @@
 #include "app/flight/flight_model.h"
 #include "app/flight/flight_settings.h"
 #include "app/flight/governor.h"
+#include "app/flight/pilot.h"
 #include "app/pipeline/pipeline.h"
 #include "app/replay/playback.h"
 #include "app/replay/timeline.h"
@@ -23,6 +24,8 @@ typedef struct FlightSession {
     Flight flight;
     CameraRig rig;
     Keyboard keyboard;
+    Pilot *pilot;   // borrowed; NULL: the keyboard alone
+    int64_t now_ns; // until when session_advance flies, as base/clock.h counts; 0: not by a clock
     Demo demo;
     bool demo_flies;
     Playback *playback; // borrowed: shown instead of flying; NULL: flown

@@ -20,6 +20,7 @@ typedef struct Fly {
     World world;
     Playback *playback;
     FlightSession *session;
+    Pilot *pilot;
     Video *video;
     Pipeline *pipeline;
     Monitor *monitor;
@@ -100,6 +101,12 @@ static Result start_replay(Fly *fly) {
     return result == RESULT_OK ? session_begin_replay(fly->session, fly->playback, fly->options) : result;
 }
 
+// Where nobody sees the flight, pads only disturb it, unless they are asked for.
+static bool wants_joystick(const Fly *fly) {
+    bool wanted = options_flag(fly->options, OPTION_JOYSTICK);
+    return wanted && (fly->window || options_is_set(fly->options, OPTION_JOYSTICK));
+}
+
 static Result start_session(Fly *fly) {
     fly->session = calloc(1, sizeof *fly->session);
     if (!fly->session) {
@@ -107,6 +114,9 @@ static Result start_session(Fly *fly) {
         return RESULT_MEMORY;
     }
     Result result = session_create(&fly->world, fly->options, fly->session);
+    if (result == RESULT_OK && wants_joystick(fly))
+        result = pilot_create(&fly->pilot);
+    fly->session->pilot = fly->pilot;
     return result == RESULT_OK && fly->track ? start_replay(fly) : result;
 }
 
@@ -184,6 +194,7 @@ static Result end(Fly *fly) {
     pipeline_destroy(&fly->pipeline);
     Result result = video_end(&fly->video);
     free(fly->session);
+    pilot_destroy(&fly->pilot);
     playback_close(&fly->playback);
     world_unload(&fly->world);
     context_destroy(&fly->context);
