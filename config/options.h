@@ -14,7 +14,8 @@ typedef enum CommandId {
     COMMAND_CONFIG = 1 << 5,
     COMMAND_REPRODUCE = 1 << 6,
     COMMAND_CONVERT = 1 << 7,
-    COMMANDS_ALL = (1 << 8) - 1,
+    COMMAND_DEVICES = 1 << 8,
+    COMMANDS_ALL = (1 << 9) - 1,
 } CommandId;
 
 #include "config/option_table.h"
