@@ -16,11 +16,23 @@ static bool fits(int printed) {
     return printed > 0 && printed < PATHS_BYTES_MAX;
 }
 
+static bool user_file(const char *variable, const char *beside_home, const char *name, char out[PATHS_BYTES_MAX]) {
+    const char *folder = getenv(variable), *home = getenv("HOME");
+    if (folder && folder[0] == '/') // the XDG specification: a relative one is ignored
+        return fits(snprintf(out, PATHS_BYTES_MAX, "%s/overfly/%s", folder, name));
+    return home && *home && fits(snprintf(out, PATHS_BYTES_MAX, "%s/%s/overfly/%s", home, beside_home, name));
+}
+
 bool files_user_config(char out[PATHS_BYTES_MAX]) {
-    const char *config = getenv("XDG_CONFIG_HOME"), *home = getenv("HOME");
-    if (config && config[0] == '/') // the XDG specification: a relative one is ignored
-        return fits(snprintf(out, PATHS_BYTES_MAX, "%s/overfly/overfly.conf", config));
-    return home && *home && fits(snprintf(out, PATHS_BYTES_MAX, "%s/.config/overfly/overfly.conf", home));
+    return files_user_config_of("overfly.conf", out);
+}
+
+bool files_user_config_of(const char *name, char out[PATHS_BYTES_MAX]) {
+    return user_file("XDG_CONFIG_HOME", ".config", name, out);
+}
+
+bool files_user_state(const char *name, char out[PATHS_BYTES_MAX]) {
+    return user_file("XDG_STATE_HOME", ".local/state", name, out);
 }
 
 bool files_exists(const char *path) {

@@ -7,6 +7,10 @@
 
 // $XDG_CONFIG_HOME/overfly/overfly.conf, else ~/.config/overfly/overfly.conf. False when the environment names neither.
 bool files_user_config(char out[PATHS_BYTES_MAX]);
+// The same of another file or folder beside it.
+bool files_user_config_of(const char *name, char out[PATHS_BYTES_MAX]);
+// What the program keeps from run to run: $XDG_STATE_HOME/overfly/`name`, else ~/.local/state/overfly/`name`.
+bool files_user_state(const char *name, char out[PATHS_BYTES_MAX]);
 bool files_exists(const char *path);
 bool files_is_folder(const char *path);
 // A file or folder that is there and may be read; else NOT_FOUND or IO, with path, cause and remedy in the log.

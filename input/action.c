@@ -1,5 +1,7 @@
 #include "input/action.h"
 
+#include <ctype.h>
+
 typedef enum Shift { ANY, PLAIN, SHIFTED } Shift;
 
 static const struct {
@@ -54,9 +56,9 @@ Action action_of_key(int key, bool shift) {
 }
 
 static const struct {
-    const char *keys, *help;
+    const char *identifier, *keys, *help;
 } texts[ACTION_COUNT] = {
-#define ACTION_TEXT(id, keys, help) [ACTION_##id] = {keys, help},
+#define ACTION_TEXT(id, keys, help) [ACTION_##id] = {#id, keys, help},
     ACTION_HELD_TABLE(ACTION_TEXT) ACTION_ONCE_TABLE(ACTION_TEXT)
 #undef ACTION_TEXT
 };
@@ -67,4 +69,12 @@ const char *action_keys(Action action) {
 
 const char *action_help(Action action) {
     return texts[action].help;
+}
+
+void action_name(Action action, char out[ACTION_NAME_BYTES]) {
+    const char *identifier = texts[action].identifier;
+    size_t i = 0;
+    for (; identifier[i] && i < ACTION_NAME_BYTES - 1; i++)
+        out[i] = (char)(identifier[i] == '_' ? '-' : tolower((unsigned char)identifier[i]));
+    out[i] = '\0';
 }

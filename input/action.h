@@ -72,3 +72,7 @@ typedef enum Action {
 Action action_of_key(int key, bool shift);
 const char *action_keys(Action action); // "PgUp"
 const char *action_help(Action action);
+
+#define ACTION_NAME_BYTES 32
+// As files write it: "view-next".
+void action_name(Action action, char out[ACTION_NAME_BYTES]);

@@ -1,12 +1,12 @@
 // input/mapper.h: from the pads that are plugged in, and the keyboard, to what the pilot's hands and feet do.
 // Shares of full deflection; axes -1..1; seconds. It has no clock: time is what mapper_sample is told.
-// A Mapper is a value of about a hundred kilobytes without pointers; one thread at a time.
+// A Mapper is a value of a few hundred kilobytes without pointers; one thread at a time.
 #pragma once
 #include "input/calibration.h"
 #include "input/keyboard.h"
 #include "input/profile.h"
 
-#define MAPPER_SLOTS 8
+#define MAPPER_SLOTS 16
 #define MAPPER_MOVED 0.04   // of an axis' -1..1: less is noise, and no hand
 #define MAPPER_PICK_UP 0.02 // this near, a lever takes over a control that stays where it is left
 #define MAPPER_CENTRE_S 0.5 // from where a control was when its pad was unplugged to its rest
