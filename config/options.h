@@ -15,7 +15,8 @@ typedef enum CommandId {
     COMMAND_REPRODUCE = 1 << 6,
     COMMAND_CONVERT = 1 << 7,
     COMMAND_REPLAY = 1 << 8,
-    COMMANDS_ALL = (1 << 9) - 1,
+    COMMAND_DEVICES = 1 << 9,
+    COMMANDS_ALL = (1 << 10) - 1,
 } CommandId;
 
 #include "config/option_table.h"

@@ -17,6 +17,8 @@ const Command command_table[] = {
      cmd_info},
     {COMMAND_CONVERT, "convert", "IN OUT", 2, "turn a recorded flight into another format: IGC, GPX, KML, ACMI, CSV",
      cmd_convert},
+    {COMMAND_DEVICES, "devices", "", 0, "joysticks and gamepads: their nodes, permissions, and what they say",
+     cmd_devices},
     {COMMAND_CONFIG, "config", "[SUBCOMMAND]", 1, "show the effective options and where each came from", cmd_config},
     {0},
 };

@@ -29,4 +29,5 @@ CommandRun cmd_bench;
 CommandRun cmd_reproduce;
 CommandRun cmd_info;
 CommandRun cmd_convert;
+CommandRun cmd_devices;
 CommandRun cmd_config;

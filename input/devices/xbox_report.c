@@ -5,8 +5,8 @@
 #define TYPE_INPUT 0x00
 
 void xbox_describe(PadInfo *info) {
-    static const PadAxisKind axes[XBOX_AXES] = {PAD_AXIS_X,  PAD_AXIS_Y, PAD_AXIS_RX,
-                                                PAD_AXIS_RY, PAD_AXIS_Z, PAD_AXIS_RZ};
+    static const PadAxisKind axes[XBOX_AXES] = {PAD_AXIS_X,  PAD_AXIS_Y,     PAD_AXIS_RX,
+                                                PAD_AXIS_RY, PAD_AXIS_BRAKE, PAD_AXIS_ACCELERATOR};
     info->axis_count = XBOX_AXES;
     info->button_count = XBOX_BUTTONS;
     info->hat_count = 1;

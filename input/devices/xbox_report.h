@@ -11,7 +11,8 @@
 #define XBOX_REPORT_BYTES 20
 #define XBOX_RUMBLE_BYTES 8
 
-// The order of axes: left stick x, y; right stick rx, ry; left trigger z, right trigger rz, both -1 when let go.
+// The order of axes: left stick x, y; right stick rx, ry; left trigger brake, right trigger accelerator, as Microsoft's
+// pads that are HID call them, both -1 when let go.
 enum { XBOX_LEFT_X, XBOX_LEFT_Y, XBOX_RIGHT_X, XBOX_RIGHT_Y, XBOX_LEFT_TRIGGER, XBOX_RIGHT_TRIGGER, XBOX_AXES };
 // The order of buttons: that of Microsoft's driver, and the middle one after these ten.
 enum {
