@@ -73,10 +73,10 @@ void accuracy_verdict(const Accuracy *accuracy, char out[ACCURACY_TEXT_BYTES]) {
     name_runs(tally.promised ? tally.promised : accuracy->run_count, tally.promised > 0, runs);
     if (!accuracy_holds(accuracy))
         snprintf(out, ACCURACY_TEXT_BYTES,
-                 "BROKEN: %d of %d run%s with a promised bound kept it; %d of %d run%s had cracks, in %" PRId64
+                 "BROKEN: %d of %d run%s that promise%s a bound kept it; %d of %d run%s had cracks, in %" PRId64
                  " frames measured at every sample%s.",
-                 tally.held, tally.promised, plural(tally.promised), tally.cracked, accuracy->run_count,
-                 plural(accuracy->run_count), frames_of(accuracy),
+                 tally.held, tally.promised, plural(tally.promised), tally.promised == 1 ? "s" : "", tally.cracked,
+                 accuracy->run_count, plural(accuracy->run_count), frames_of(accuracy),
                  tally.untrue ? "; some were timed over other cuts than measured" : "");
     else if (tally.promised == 0)
         snprintf(out, ACCURACY_TEXT_BYTES,
