@@ -5,6 +5,7 @@
 #include "input/devices/node_watch.h"
 
 #include <errno.h>
+#include <fnmatch.h>
 #include <pthread.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -72,6 +73,61 @@ static void test_the_remedy_is_that_of_the_cause(void **state) {
     assert_true(strstr(busy, "another program") && !strstr(busy, "udev"));
 }
 
+// "e\"\x05*\"": what udev makes of it.
+static void unescape(const char *from, char *to) {
+    while (*from && *from != '"') {
+        unsigned code;
+        if (sscanf(from, "\\x%2x", &code) == 1) {
+            *to++ = (char)code;
+            from += 4;
+        } else {
+            *to++ = *from++;
+        }
+    }
+    *to = '\0';
+}
+
+// As udev compares: up to the first byte that is 0.
+static bool rules_open(const char *descriptor) {
+    static const char key[] = "ATTRS{report_descriptor}==e\"";
+    char line[512], pattern[512];
+    bool opened = false;
+    FILE *rules = fopen(SOURCE_DIR "/assets/data/udev/70-overfly.rules", "r");
+    assert_non_null(rules);
+    while (fgets(line, sizeof line, rules)) {
+        const char *at = strstr(line, key);
+        if (!at)
+            continue;
+        assert_non_null(strstr(line, "TAG+=\"uaccess\""));
+        unescape(at + strlen(key), pattern);
+        opened |= fnmatch(pattern, descriptor, 0) == 0;
+    }
+    fclose(rules);
+    return opened;
+}
+
+static void test_the_installed_rules_open_sticks_and_nothing_else(void **state) {
+    (void)state;
+    static const struct {
+        const char *descriptor;
+        bool opened;
+    } CASES[] = {{"\x05\x01\x09\x04\xa1\x01", true},       // joystick
+                 {"\x05\x01\x09\x05\xa1\x01\x85", true},   // gamepad
+                 {"\x05\x01\x09\x08\xa1\x01", true},       // multi-axis controller
+                 {"\x05\x02\x09\x01\xa1\x01", true},       // flight simulation device
+                 {"\x05\x01\x09\x06\xa1\x01", false},      // keyboard
+                 {"\x05\x01\x09\x02\xa1\x01", false},      // mouse
+                 {"\x05\x01\x09\x07\xa1\x01", false},      // keypad
+                 {"\x05\x0c\x09\x01\xa1\x01", false},      // volume keys
+                 {"\x06\xd0\xf1\x09\x01\xa1\x01", false}}; // a key for passwords
+    for (size_t i = 0; i < COUNT_OF(CASES); i++) {
+        bool opened = rules_open(CASES[i].descriptor);
+        print_message("descriptor %zu: %s, expected %s\n", i, opened ? "opened" : "closed",
+                      CASES[i].opened ? "opened" : "closed");
+        assert_true(opened == CASES[i].opened);
+    }
+}
+
 static void make_file(const char *folder, const char *name) {
     char path[256];
     snprintf(path, sizeof path, "%s/%s", folder, name);
@@ -131,6 +187,7 @@ int main(void) {
         cmocka_unit_test(test_names_are_put_together_and_made_harmless),
         cmocka_unit_test(test_a_rule_names_the_device_on_any_bus),
         cmocka_unit_test(test_the_remedy_is_that_of_the_cause),
+        cmocka_unit_test(test_the_installed_rules_open_sticks_and_nothing_else),
         cmocka_unit_test(test_a_wait_ends_when_a_node_of_that_name_changes),
         cmocka_unit_test(test_a_folder_that_cannot_be_watched_is_said),
     };

@@ -61,6 +61,9 @@ static void redraw(const Show *show) {
 
 static void watch(Show *show, int64_t until_ns) {
     int64_t now_ns = clock_now_ns();
+    take_events(show);
+    if (show->lines && device_list_count(&show->list) == 0)
+        device_print_list(stdout, &show->list, devices_lack(show->devices));
     while (!signals_leave_wanted() && (until_ns == 0 || now_ns < until_ns)) {
         take_events(show);
         if (show->redraws)

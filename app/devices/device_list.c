@@ -1,6 +1,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "app/devices/device_list.h"
 
+#include "app/joystick/joystick_files.h"
+
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -20,8 +22,13 @@ static void ask_node(DeviceRow *row) {
 
 static void come(DeviceRow *row, const DeviceEvent *event) {
     *row = (DeviceRow){.there = true, .error = event->error, .info = event->info, .state = pad_at_rest()};
-    row->profile = profile_default(&row->info);
     ask_node(row);
+    if (joystick_find_profile(&row->info, &row->profile, row->profile_file) != RESULT_OK) {
+        row->profile = profile_default(&row->info);
+        row->profile_file[0] = '\0';
+    }
+    if (joystick_load_calibration(&row->info, &row->calibration) != RESULT_OK)
+        row->calibration = (PadCalibration){.axes = {{.known = false}}};
 }
 
 void device_list_take(DeviceList *list, const DeviceEvent *event) {
@@ -80,4 +87,24 @@ void device_row_axis_name(const DeviceRow *row, int axis, char out[32]) {
 
 bool device_row_is_down(const DeviceRow *row, int button) {
     return row->state.buttons[button / 64] >> (button % 64) & 1;
+}
+
+static bool is_of(const ButtonMapping *mapping, int number, int direction) {
+    return mapping->number == number + 1 && mapping->is_hat == (direction >= 0) &&
+           (direction < 0 || mapping->direction == direction);
+}
+
+void device_row_does(const DeviceRow *row, int number, int direction, char out[64]) {
+    out[0] = '\0';
+    for (int i = 0; i < row->profile.button_count; i++) {
+        const ButtonMapping *mapping = &row->profile.buttons[i];
+        if (!is_of(mapping, number, direction))
+            continue;
+        if (mapping->does == BUTTON_ACTION)
+            snprintf(out, 64, "%s", action_help(mapping->action));
+        else
+            snprintf(out, 64, "%s %+.2f%s", pad_control_name(mapping->control), mapping->amount,
+                     mapping->does == BUTTON_STEP ? " a press" : "");
+        return;
+    }
 }

@@ -20,6 +20,11 @@ static bool wants_rule(const DeviceRow *row) {
     return row->error == EACCES || row->error == EPERM;
 }
 
+// Without a sign before a zero.
+static double shown(double value) {
+    return fabs(value) < 0.0005 ? 0.0 : value;
+}
+
 // ---- For people ---------------------------------------------------------------------------------------------------
 
 static void print_axis(FILE *to, const DeviceRow *row, int axis) {
@@ -29,14 +34,26 @@ static void print_axis(FILE *to, const DeviceRow *row, int axis) {
     device_row_axis_name(row, axis, name);
     fprintf(to, "  %-12s", name);
     if (known)
-        fprintf(to, "%+7.3f", row->state.axes[axis]);
+        fprintf(to, "%+7.3f", shown(row->state.axes[axis]));
     else
         fprintf(to, "      ?");
     if (mapping && known)
-        fprintf(to, "   %-11s %+7.3f", pad_control_name(mapping->control), device_row_mapped(row, axis));
+        fprintf(to, "   %-11s %+7.3f", pad_control_name(mapping->control), shown(device_row_mapped(row, axis)));
     else if (mapping)
         fprintf(to, "   %-11s       ?", pad_control_name(mapping->control));
     fputc('\n', to);
+}
+
+// What a hat between two directions does is what both do.
+static void print_hat_does(FILE *to, const DeviceRow *row, int hat, int eighth) {
+    char does[64];
+    for (int direction = 0; direction < 8; direction += 2) {
+        if ((eighth - direction + 9) % 8 > 2)
+            continue;
+        device_row_does(row, hat, direction, does);
+        if (*does)
+            fprintf(to, "   %s", does);
+    }
 }
 
 static void print_hats(FILE *to, const DeviceRow *row) {
@@ -44,31 +61,35 @@ static void print_hats(FILE *to, const DeviceRow *row) {
                                          "down", "down left", "left",  "up left"};
     for (int i = 0; i < row->info.hat_count; i++) {
         int hat = row->state.hats[i];
-        fprintf(to, "  hat %-8d%s\n", i + 1, hat == PAD_HAT_CENTRED ? "-" : names[hat]);
+        fprintf(to, "  hat %-8d%s", i + 1, hat == PAD_HAT_CENTRED ? "-" : names[hat]);
+        if (hat != PAD_HAT_CENTRED)
+            print_hat_does(to, row, i, hat);
+        fputc('\n', to);
     }
 }
 
 static void print_buttons(FILE *to, const DeviceRow *row) {
     bool any = false;
-    fprintf(to, "  buttons     ");
-    for (int i = 0; i < row->info.button_count; i++)
-        if (device_row_is_down(row, i)) {
-            fprintf(to, "%s%d", any ? " " : "", i + 1);
-            any = true;
-        }
-    fprintf(to, "%s of %d\n", any ? "" : "-", row->info.button_count);
+    fprintf(to, "  %d buttons%s", row->info.button_count, row->info.button_count < 10 ? "   " : "  ");
+    for (int i = 0; i < row->info.button_count; i++) {
+        char does[64];
+        if (!device_row_is_down(row, i))
+            continue;
+        device_row_does(row, i, -1, does);
+        fprintf(to, "%s%d%s%s%s", any ? ", " : "", i + 1, *does ? " (" : "", does, *does ? ")" : "");
+        any = true;
+    }
+    fprintf(to, "%s\n", any ? "" : "-");
 }
 
 static void print_remedy(FILE *to, const DeviceRow *row) {
     char rule[DEVICE_TEXT_BYTES], file[PATHS_BYTES_MAX];
     device_text_rule(&row->info, rule);
-    fprintf(to, "  To use it, put this line into /etc/udev/rules.d/%s:\n    %s\n", RULES, rule);
+    fprintf(to, "  To use it, put this line into a file /etc/udev/rules.d/70-joystick.rules\n    %s\n", rule);
     if (paths_find_data("udev/" RULES, file) == RESULT_OK)
-        fprintf(to,
-                "  or the rules for all joysticks and pads there, then have udev read them:\n    sudo cp %s"
-                " /etc/udev/rules.d/\n",
+        fprintf(to, "  or copy the rules for joysticks and pads of all makers\n    sudo cp %s /etc/udev/rules.d/\n",
                 file);
-    fprintf(to, "    sudo udevadm control --reload-rules && sudo udevadm trigger\n");
+    fprintf(to, "  and have udev read them\n    sudo udevadm control --reload-rules && sudo udevadm trigger\n");
 }
 
 static void print_permission(FILE *to, const DeviceRow *row) {
@@ -87,7 +108,8 @@ static void print_row(FILE *to, const DeviceRow *row) {
     print_permission(to, row);
     if (row->error)
         return;
-    fprintf(to, "  profile     %s\n  axis            raw   control      mapped\n", row->profile.name);
+    fprintf(to, "  profile     %s%s%s%s\n  axis            raw   control      mapped\n", row->profile.name,
+            *row->profile_file ? " (" : "", row->profile_file, *row->profile_file ? ")" : "");
     for (int i = 0; i < info->axis_count; i++)
         print_axis(to, row, i);
     print_hats(to, row);
@@ -112,9 +134,9 @@ void device_print_state(FILE *to, const DeviceRow *row) {
         if (row->state.axes_unknown >> i & 1)
             continue;
         device_row_axis_name(row, i, name);
-        fprintf(to, " %s %+.3f", name, row->state.axes[i]);
+        fprintf(to, " %s %+.3f", name, shown(row->state.axes[i]));
         if (mapping)
-            fprintf(to, " (%s %+.3f)", pad_control_name(mapping->control), device_row_mapped(row, i));
+            fprintf(to, " (%s %+.3f)", pad_control_name(mapping->control), shown(device_row_mapped(row, i)));
     }
     for (int i = 0; i < row->info.hat_count; i++)
         fprintf(to, " hat %d", row->state.hats[i]);
@@ -169,6 +191,7 @@ static void add_device(Json *array, const DeviceRow *row) {
     device_text_rule(&row->info, text);
     json_add_text(device, "udev_rule", text);
     json_add_text(device, "profile", row->profile.name);
+    json_add_text(device, "profile_file", *row->profile_file ? row->profile_file : NULL);
     json_add_integer(device, "reports", row->reports);
     add_axes(device, row);
     add_switches(device, row);
