@@ -291,50 +291,51 @@ static void test_acmi_takes_the_first_aircraft_or_the_one_asked_for(void **state
 
 // ---- what is wrong with a file ----
 
+static const struct {
+    const char *ending, *text;
+    Result result;
+    const char *said;
+} WRONG[] = {
+    {".txt", "hello\n", RESULT_FORMAT, ".txt:1: of no known format"},
+    {".kmz", "PK\3\4xx", RESULT_FORMAT, "unpack it first"},
+    {".igc", "", RESULT_FORMAT, "no points of a flight"},
+    {".igc", "nonsense\n\1\2\3\n", RESULT_FORMAT, "no points of a flight"},
+    {".igc", IGC_HEAD "B1200004630000N00800000EV0140001500\n", RESULT_FORMAT, ".igc:3: a point without a valid"},
+    {".igc", IGC_HEAD "B1200004630000X00800000EA0140001500\n", RESULT_FORMAT, ".igc:3: a point damaged"},
+    {".igc",
+     IGC_HEAD "B1200034630000N00800000EA0140001500\nB1200024630000N00800000EA0140001500\n"
+              "B1200014630000N00800000EA0140001500\n",
+     RESULT_FORMAT, ".igc:4: a point going back in time, the first of 2; 1 are left: sort the file by time"},
+    {".gpx", "<gpx><trk><trkseg>\n<trkpt lat=\"1\" lon=\"2\">\n<ele>1</e", RESULT_FORMAT, ".gpx:3: "},
+    {".gpx", "<gpx></gpx>", RESULT_FORMAT, "no points of a flight"},
+    {".gpx", "<html><gpx/></html>", RESULT_FORMAT, ".gpx:1: found <html>, expected <gpx>"},
+    {".gpx", GPX("<rte><rtept lat=\"1\" lon=\"2\"/></rte>"), RESULT_FORMAT, "a route, which has no times"},
+    {".gpx", GPX("<trk><trkseg>\n" PT("1", "2", "<ele>3</ele>") "</trkseg></trk>"), RESULT_FORMAT,
+     ".gpx:4: a point without a time"},
+    {".gpx", GPX("<trk><trkseg>\n" PT("91", "2", AT("00", "1")) "</trkseg></trk>"), RESULT_FORMAT,
+     ".gpx:4: a point damaged"},
+    {".gpx", "<!DOCTYPE gpx [<!ENTITY a \"b\">]>\n<gpx/>", RESULT_FORMAT, ".gpx:1: a document type"},
+    {".kml", KML("<Placemark><LineString><coordinates>1,2,3</coordinates></LineString></Placemark>"), RESULT_FORMAT,
+     "a LineString, which has no times"},
+    {".kml", KML("<Placemark>\n<Track>" WHEN("00") WHEN("01") "<coord>1 2 3</coord></Track></Placemark>"),
+     RESULT_FORMAT, ".kml:2: a track of 2 when, 1 coord and 0 angles"},
+    {".kml", KML("<Track><altitudeMode>relativeToGround</altitudeMode></Track>"), RESULT_FORMAT,
+     "relative to the ground"},
+    {".kml", KML("<Track>\n" WHEN("99") "\n<coord>1 2 3</coord></Track>"), RESULT_FORMAT,
+     ".kml:3: a point without a time"},
+    {".acmi", "FileType=text/acmi/tacview\nFileVersion=1.7\n", RESULT_FORMAT, ".acmi:2: found 'FileVersion=1.7'"},
+    {".acmi", "hello\n", RESULT_FORMAT, ".acmi:1: found 'hello'"},
+    {".acmi", ACMI "#1\n2,T=1|2\n", RESULT_FORMAT, ".acmi:5: a point damaged"},
+    {".acmi", ACMI "#1\n2,T=1|2|300|0|0|0", RESULT_FORMAT, ".acmi:5: a point damaged"}, // cut off within a number
+    {".acmi", ACMI "#5\n2,T=1|2|3\n#4\n2,T=1|2|4\n#3\n2,T=1|2|5\n", RESULT_FORMAT, ".acmi:7: a point going back"},
+    {".csv", "t_s,lat_deg,lon_deg,alt_m\n0,46,8,1\n0,46,8,1\n", RESULT_FORMAT, ".csv:3: t_s: found 0 after 0"},
+};
+
 static void test_what_is_wrong_is_told_with_file_and_line(void **state) {
-    static const struct {
-        const char *ending, *text;
-        Result result;
-        const char *said;
-    } CASES[] = {
-        {".txt", "hello\n", RESULT_FORMAT, ".txt:1: of no known format"},
-        {".kmz", "PK\3\4xx", RESULT_FORMAT, "unpack it first"},
-        {".igc", "", RESULT_FORMAT, "no points of a flight"},
-        {".igc", "nonsense\n\1\2\3\n", RESULT_FORMAT, "no points of a flight"},
-        {".igc", IGC_HEAD "B1200004630000N00800000EV0140001500\n", RESULT_FORMAT, ".igc:3: a point without a valid"},
-        {".igc", IGC_HEAD "B1200004630000X00800000EA0140001500\n", RESULT_FORMAT, ".igc:3: a point damaged"},
-        {".igc",
-         IGC_HEAD "B1200034630000N00800000EA0140001500\nB1200024630000N00800000EA0140001500\n"
-                  "B1200014630000N00800000EA0140001500\n",
-         RESULT_FORMAT, ".igc:4: a point going back in time, the first of 2; 1 are left: sort the file by time"},
-        {".gpx", "<gpx><trk><trkseg>\n<trkpt lat=\"1\" lon=\"2\">\n<ele>1</e", RESULT_FORMAT, ".gpx:3: "},
-        {".gpx", "<gpx></gpx>", RESULT_FORMAT, "no points of a flight"},
-        {".gpx", "<html><gpx/></html>", RESULT_FORMAT, ".gpx:1: found <html>, expected <gpx>"},
-        {".gpx", GPX("<rte><rtept lat=\"1\" lon=\"2\"/></rte>"), RESULT_FORMAT, "a route, which has no times"},
-        {".gpx", GPX("<trk><trkseg>\n" PT("1", "2", "<ele>3</ele>") "</trkseg></trk>"), RESULT_FORMAT,
-         ".gpx:4: a point without a time"},
-        {".gpx", GPX("<trk><trkseg>\n" PT("91", "2", AT("00", "1")) "</trkseg></trk>"), RESULT_FORMAT,
-         ".gpx:4: a point damaged"},
-        {".gpx", "<!DOCTYPE gpx [<!ENTITY a \"b\">]>\n<gpx/>", RESULT_FORMAT, ".gpx:1: a document type"},
-        {".kml", KML("<Placemark><LineString><coordinates>1,2,3</coordinates></LineString></Placemark>"), RESULT_FORMAT,
-         "a LineString, which has no times"},
-        {".kml", KML("<Placemark>\n<Track>" WHEN("00") WHEN("01") "<coord>1 2 3</coord></Track></Placemark>"),
-         RESULT_FORMAT, ".kml:2: a track of 2 when, 1 coord and 0 angles"},
-        {".kml", KML("<Track><altitudeMode>relativeToGround</altitudeMode></Track>"), RESULT_FORMAT,
-         "relative to the ground"},
-        {".kml", KML("<Track>\n" WHEN("99") "\n<coord>1 2 3</coord></Track>"), RESULT_FORMAT,
-         ".kml:3: a point without a time"},
-        {".acmi", "FileType=text/acmi/tacview\nFileVersion=1.7\n", RESULT_FORMAT, ".acmi:2: found 'FileVersion=1.7'"},
-        {".acmi", "hello\n", RESULT_FORMAT, ".acmi:1: found 'hello'"},
-        {".acmi", ACMI "#1\n2,T=1|2\n", RESULT_FORMAT, ".acmi:5: a point damaged"},
-        {".acmi", ACMI "#1\n2,T=1|2|300|0|0|0", RESULT_FORMAT, ".acmi:5: a point damaged"}, // cut off within a number
-        {".acmi", ACMI "#5\n2,T=1|2|3\n#4\n2,T=1|2|4\n#3\n2,T=1|2|5\n", RESULT_FORMAT, ".acmi:7: a point going back"},
-        {".csv", "t_s,lat_deg,lon_deg,alt_m\n0,46,8,1\n0,46,8,1\n", RESULT_FORMAT, ".csv:3: t_s: found 0 after 0"},
-    };
-    for (size_t i = 0; i < COUNT_OF(CASES); i++) {
-        Read read = read_as(CASES[i].text, CASES[i].ending, (TrackReading){.geoid = *state});
-        if (read.result != CASES[i].result || !strstr(read.heard.text, CASES[i].said) || read.heard.errors != 1)
-            fail_msg("%zu: %s, said '%s', expected '%s'", i, result_name(read.result), read.heard.text, CASES[i].said);
+    for (size_t i = 0; i < COUNT_OF(WRONG); i++) {
+        Read read = read_as(WRONG[i].text, WRONG[i].ending, (TrackReading){.geoid = *state});
+        if (read.result != WRONG[i].result || !strstr(read.heard.text, WRONG[i].said) || read.heard.errors != 1)
+            fail_msg("%zu: %s, said '%s', expected '%s'", i, result_name(read.result), read.heard.text, WRONG[i].said);
     }
 }
 
@@ -555,6 +556,26 @@ static void test_igc_is_written_at_whole_seconds(void **state) {
     track_clear(&track);
 }
 
+static void test_pressure_altitudes_stay_in_their_column_or_are_warned_of(void **state) {
+    Track track = track_aerobatic(5), back;
+    TrackReading how = {.igc_alt = TRACK_IGC_UNTOLD, .geoid = *state};
+    Heard heard;
+    size_t bytes;
+    track.heights = TRACK_HEIGHTS_PRESSURE;
+    heard_begin(&heard);
+    char *text = text_of_track(&track, ".igc", *state, &bytes);
+    assert_int_equal(heard.warnings, 0);
+    assert_int_equal(track_of_text(text, bytes, ".igc", &how, &back), RESULT_OK);
+    free(text);
+    assert_int_equal(back.heights, TRACK_HEIGHTS_PRESSURE);
+    NEAR(back.points[1].at.alt_m, track.points[1].at.alt_m, 0.5);
+    free(text_of_track(&track, ".gpx", *state, &bytes));
+    heard_end();
+    assert_non_null(strstr(heard.text, "pressure altitudes are written where GPX"));
+    track_clear(&back);
+    track_clear(&track);
+}
+
 static void test_a_flight_without_a_date_is_not_given_one(void **state) {
     (void)state;
     Track track = track_aerobatic(3);
@@ -685,6 +706,7 @@ int main(void) {
         cmocka_unit_test(test_times_are_read_as_xml_has_them),
         cmocka_unit_test(test_every_format_gives_back_what_every_other_wrote),
         cmocka_unit_test(test_igc_is_written_at_whole_seconds),
+        cmocka_unit_test(test_pressure_altitudes_stay_in_their_column_or_are_warned_of),
         cmocka_unit_test(test_a_flight_without_a_date_is_not_given_one),
         cmocka_unit_test(test_damaged_files_are_read_or_refused_with_a_message),
     };

@@ -15,11 +15,46 @@
 #define HEAD_BYTES 4096
 
 const TrackFormat track_formats[] = {
-    {"igc", ".igc", "IGC flight log", true, true, false, track_igc_recognise, track_igc_read, track_igc_write},
-    {"gpx", ".gpx", "GPX 1.1", true, true, false, track_gpx_recognise, track_gpx_read, track_gpx_write},
-    {"kml", ".kml", "KML gx:Track", false, true, true, track_kml_recognise, track_kml_read, track_kml_write},
-    {"acmi", ".acmi", "Tacview ACMI 2.2", false, true, true, track_acmi_recognise, track_acmi_read, track_acmi_write},
-    {"csv", ".csv", "CSV", false, false, true, track_csv_recognise, track_csv_read, track_csv_write},
+    {.name = "igc",
+     .ending = ".igc",
+     .what = "IGC flight log",
+     .wants_geoid = true,
+     .wants_start = true,
+     .has_pressure = true,
+     .recognise = track_igc_recognise,
+     .read = track_igc_read,
+     .write = track_igc_write},
+    {.name = "gpx",
+     .ending = ".gpx",
+     .what = "GPX 1.1",
+     .wants_geoid = true,
+     .wants_start = true,
+     .recognise = track_gpx_recognise,
+     .read = track_gpx_read,
+     .write = track_gpx_write},
+    {.name = "kml",
+     .ending = ".kml",
+     .what = "KML gx:Track",
+     .wants_start = true,
+     .has_attitude = true,
+     .recognise = track_kml_recognise,
+     .read = track_kml_read,
+     .write = track_kml_write},
+    {.name = "acmi",
+     .ending = ".acmi",
+     .what = "Tacview ACMI 2.2",
+     .wants_start = true,
+     .has_attitude = true,
+     .recognise = track_acmi_recognise,
+     .read = track_acmi_read,
+     .write = track_acmi_write},
+    {.name = "csv",
+     .ending = ".csv",
+     .what = "CSV",
+     .has_attitude = true,
+     .recognise = track_csv_recognise,
+     .read = track_csv_read,
+     .write = track_csv_write},
     {0},
 };
 
@@ -131,6 +166,8 @@ Result track_save(const char *path, const TrackFormat *format, const Track *trac
                   format->what);
         return RESULT_USAGE;
     }
+    if (track->heights == TRACK_HEIGHTS_PRESSURE && !format->has_pressure)
+        log_warn("%s: pressure altitudes are written where %s has those above the geoid", path, format->what);
     MeshFile *file = NULL;
     Result result = mesh_file_create(path, &file);
     if (result != RESULT_OK)

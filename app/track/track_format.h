@@ -27,6 +27,7 @@ typedef struct TrackFormat {
     bool wants_geoid;   // to read or write altitudes above the ellipsoid
     bool wants_start;   // cannot be written without a date
     bool has_attitude;
+    bool has_pressure;                   // a place of its own for pressure altitudes
     bool (*recognise)(const char *head); // the first bytes of a file, as text
     // Logs what is wrong with file and line. NOT_FOUND, IO, FORMAT, UNSUPPORTED, MEMORY.
     Result (*read)(const char *path, const TrackReading *how, Track *out);
@@ -43,5 +44,6 @@ MUST_USE Result track_format_of_file(const char *path, const TrackFormat **out);
 MUST_USE Result track_format_of_ending(const char *path, const TrackFormat **out);
 // A file of any of the formats.
 MUST_USE Result track_load(const char *path, const TrackReading *how, Track *out);
-// The file appears whole or not at all. USAGE: the format needs a date, and the track has none; IO, MEMORY.
+// The file appears whole or not at all. Warns where pressure altitudes become others. USAGE: the format needs a date,
+// and the track has none; IO, MEMORY.
 MUST_USE Result track_save(const char *path, const TrackFormat *format, const Track *track, const Geoid *geoid);

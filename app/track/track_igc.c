@@ -294,23 +294,38 @@ Result track_igc_read(const char *path, const TrackReading *how, Track *out) {
 
 // ---- writing ----
 
-static void write_header(const Track *track, bool on_ellipsoid, FILE *to) {
+// Which column the altitudes go to, and what they are there.
+typedef struct Altitudes {
+    const Geoid *geoid; // NULL: the GNSS column has them above the geoid
+    bool pressure;
+} Altitudes;
+
+static void write_header(const Track *track, const Altitudes *altitudes, FILE *to) {
     TrackDate date = track_time_date(track->start_unix_s);
     fprintf(to,
             "AXXXOVFOverfly\r\nHFDTEDATE:%02d%02d%02d,01\r\nHFDTMGPSDATUM:WGS84\r\nHFALGALTGPS:%s\r\n"
-            "HFALPALTPRESSURE:NIL\r\nI023637LAD3839LOD\r\n",
-            date.day % 100, date.month % 100, date.year % 100, on_ellipsoid ? "ELL" : "GEO");
+            "HFALPALTPRESSURE:%s\r\nI023637LAD3839LOD\r\n",
+            date.day % 100, date.month % 100, date.year % 100,
+            altitudes->pressure ? "NIL"
+            : altitudes->geoid  ? "ELL"
+                                : "GEO",
+            altitudes->pressure ? "ISA" : "NIL");
+}
+
+static int whole_altitude(double alt_m) {
+    return (int)lround(fmin(fmax(alt_m, -9999.0), 99999.0));
 }
 
 // Minutes are cut after three digits, and go on in LAD and LOD.
-static void write_fix(double utc_s, const Viewpoint *at, double alt_m, FILE *to) {
+static void write_fix(double utc_s, const Viewpoint *at, const Altitudes *altitudes, FILE *to) {
     TrackDate date = track_time_date(utc_s);
     double lon_deg = track_longitude(at->lon_deg);
+    double n = altitudes->geoid ? geoid_undulation_m(altitudes->geoid, at->lat_deg, at->lon_deg) : 0.0;
     int lat = (int)lround(fabs(at->lat_deg) * DEGREE_UNITS), lon = (int)lround(fabs(lon_deg) * DEGREE_UNITS);
-    int alt = (int)lround(fmin(fmax(alt_m, -9999.0), 99999.0));
-    fprintf(to, "B%02d%02d%02.0f%02d%05d%c%03d%05d%cA00000%05d%02d%02d\r\n", date.hour, date.minute, date.second,
+    fprintf(to, "B%02d%02d%02.0f%02d%05d%c%03d%05d%cA%05d%05d%02d%02d\r\n", date.hour, date.minute, date.second,
             lat / DEGREE_UNITS, lat % DEGREE_UNITS / 100, at->lat_deg < 0.0 ? 'S' : 'N', lon / DEGREE_UNITS,
-            lon % DEGREE_UNITS / 100, lon_deg < 0.0 ? 'W' : 'E', alt, lat % 100, lon % 100);
+            lon % DEGREE_UNITS / 100, lon_deg < 0.0 ? 'W' : 'E', altitudes->pressure ? whole_altitude(at->alt_m) : 0,
+            altitudes->pressure ? 0 : whole_altitude(at->alt_m + n), lat % 100, lon % 100);
 }
 
 // The last point before the next gap.
@@ -322,9 +337,10 @@ static int segment_end(const Track *track, int i) {
 
 // A fix has whole seconds: the flight is told at the whole second nearest to each point, where it has that second.
 void track_igc_write(const Track *track, const Geoid *geoid, FILE *to) {
+    Altitudes altitudes = {geoid, track->heights == TRACK_HEIGHTS_PRESSURE};
     double written_s = -INFINITY;
     int first = 0, last = -1;
-    write_header(track, geoid != NULL, to);
+    write_header(track, &altitudes, to);
     for (int i = 0; i < track->count && !ferror(to); i++) {
         if (i > last) {
             first = i;
@@ -336,8 +352,7 @@ void track_igc_write(const Track *track, const Geoid *geoid, FILE *to) {
             continue;
         bool exact = last == first || fabs(whole_s - track_utc(track, i)) < 5e-4;
         Viewpoint at = exact ? track->points[i].at : track_at(track, whole_s - track->start_unix_s);
-        double above_geoid = geoid ? geoid_undulation_m(geoid, at.lat_deg, at.lon_deg) : 0.0;
-        write_fix(whole_s, &at, at.alt_m + above_geoid, to);
+        write_fix(whole_s, &at, &altitudes, to);
         written_s = whole_s;
     }
 }

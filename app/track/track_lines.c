@@ -4,21 +4,25 @@
 #include "base/log.h"
 
 #include <errno.h>
+#include <math.h>
 #include <string.h>
 #include <sys/stat.h>
 
 Result track_lines_open(const char *path, TrackLines *out) {
     struct stat about;
     out->path = path;
-    out->number = 0;
+    out->number = out->read_bytes = out->file_bytes = 0;
     out->at = out->filled = 0;
     out->cut = out->ended = false;
+    out->progress = progress_begin("read the flight");
     out->file = fopen(path, "rb");
     if (!out->file) {
         log_error("%s: the flight cannot be opened: %s", path, strerror(errno));
         return errno == ENOENT ? RESULT_NOT_FOUND : RESULT_IO;
     }
-    if (fstat(fileno(out->file), &about) != 0 || !S_ISDIR(about.st_mode))
+    bool known = fstat(fileno(out->file), &about) == 0;
+    out->file_bytes = known ? about.st_size : 0;
+    if (!known || !S_ISDIR(about.st_mode))
         return RESULT_OK;
     log_error("%s: a folder; expected the file of a flight", path);
     track_lines_close(out);
@@ -26,6 +30,7 @@ Result track_lines_open(const char *path, TrackLines *out) {
 }
 
 void track_lines_close(TrackLines *lines) {
+    progress_end(&lines->progress);
     if (lines->file)
         fclose(lines->file);
     lines->file = NULL;
@@ -36,7 +41,7 @@ Result track_lines_rewind(TrackLines *lines) {
         log_error("%s: cannot be read twice: %s; save it as a file", lines->path, strerror(errno));
         return RESULT_IO;
     }
-    lines->number = 0;
+    lines->number = lines->read_bytes = 0;
     lines->at = lines->filled = 0;
     return RESULT_OK;
 }
@@ -44,6 +49,9 @@ Result track_lines_rewind(TrackLines *lines) {
 static bool fill(TrackLines *lines) {
     lines->at = 0;
     lines->filled = fread(lines->block, 1, sizeof lines->block, lines->file);
+    lines->read_bytes += (int64_t)lines->filled;
+    if (lines->file_bytes > 0)
+        progress_update(&lines->progress, fmin((double)lines->read_bytes / (double)lines->file_bytes, 1.0));
     if (ferror(lines->file))
         log_error("%s:%lld: reading failed: %s", lines->path, (long long)lines->number, strerror(errno));
     return lines->filled > 0;

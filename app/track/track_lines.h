@@ -3,6 +3,7 @@
 // A TrackLines owns its file; a line lives until the next one is read. One thread.
 #pragma once
 #include "base/base.h"
+#include "base/log.h"
 
 #include <stdio.h>
 
@@ -16,6 +17,8 @@ typedef struct TrackLines {
     bool cut;                    // the line was longer than fits, or holds a zero byte: this is its beginning
     bool ended;                  // with a line end, not with the file
     size_t at, filled;           // of the block
+    int64_t read_bytes, file_bytes;
+    Progress progress;
     char block[1 << 16];
 } TrackLines;
 

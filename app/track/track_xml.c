@@ -1,11 +1,14 @@
+#define _POSIX_C_SOURCE 200809L
 #include "app/track/track_xml.h"
 
 #include "base/log.h"
 
 #include <errno.h>
 #include <expat.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #define BLOCK_BYTES (1 << 16)
 #define TOKEN_BYTES_MAX (1 << 20) // the parser keeps a tag until it is whole
@@ -20,6 +23,8 @@ typedef struct Reader {
     char text[TRACK_XML_TEXT_BYTES];
     size_t text_length;
     int64_t fed, heard; // bytes: given to the parser, and when it last told something
+    int64_t file_bytes;
+    Progress progress;
     Result result;
 } Reader;
 
@@ -127,6 +132,8 @@ static Result feed(Reader *r, FILE *file) {
         size_t count = fread(block, 1, BLOCK_BYTES, file);
         last = count < BLOCK_BYTES;
         r->fed += (int64_t)count;
+        if (r->file_bytes > 0)
+            progress_update(&r->progress, fmin((double)r->fed / (double)r->file_bytes, 1.0));
         if (ferror(file)) {
             log_error("%s: reading failed: %s", r->path, strerror(errno));
             return RESULT_IO;
@@ -147,7 +154,12 @@ static Result parse(Reader *r, FILE *file) {
     XML_SetCharacterDataHandler(r->parser, on_text);
     XML_SetDefaultHandlerExpand(r->parser, on_other);
     XML_SetStartDoctypeDeclHandler(r->parser, on_doctype);
-    return feed(r, file);
+    struct stat about;
+    r->file_bytes = fstat(fileno(file), &about) == 0 ? about.st_size : 0;
+    r->progress = progress_begin("read the flight");
+    Result result = feed(r, file);
+    progress_end(&r->progress);
+    return result;
 }
 
 Result track_xml_read(const char *path, const TrackXmlHandler *handler, void *user) {
