@@ -52,8 +52,8 @@ static Result read_default(Scene *out) {
 }
 
 static Result read_scene(const Options *options, Scene *out) {
-    // The first word of these is what to measure.
-    int first = (options_command(options) & (COMMAND_BENCH | COMMAND_REPRODUCE)) != 0;
+    // The first word of these is what to measure, or to replay.
+    int first = (options_command(options) & (COMMAND_BENCH | COMMAND_REPRODUCE | COMMAND_REPLAY)) != 0;
     int count = options_positional_count(options) - first;
     return count > 0 ? read_named(options_positionals(options) + first, count, out) : read_default(out);
 }

@@ -66,6 +66,7 @@ typedef struct Value {
 
 struct Options {
     CommandId command;
+    const char *program;
     Value values[OPTION_COUNT];
     const char **positionals; // [positional_capacity], borrowed from argv
     int positional_count, positional_capacity;
@@ -133,17 +134,22 @@ static Result parse_choice_number(const OptionSpec *spec, const char *text, doub
     return RESULT_OK;
 }
 
+// The length of "total:" where the choice is "total:N" and the text begins with that; else 0.
+static size_t numbered_stem(const char *choice, size_t length, const char *text) {
+    bool numbered = length > 2 && strncmp(choice + length - 2, ":N", 2) == 0;
+    return numbered && strncasecmp(choice, text, length - 1) == 0 ? length - 1 : 0;
+}
+
 static Result parse_choice(const OptionSpec *spec, const char *text, double *out) {
     size_t typed = strlen(text);
     int index = 0;
     for (const char *choice = spec->choices; *choice; index++) {
-        size_t length = strcspn(choice, "|");
-        bool numbered = length > 2 && strncmp(choice + length - 2, ":N", 2) == 0;
+        size_t length = strcspn(choice, "|"), stem = numbered_stem(choice, length, text);
         out[0] = index;
-        if (length == typed && !numbered && strncasecmp(choice, text, length) == 0)
+        if (stem)
+            return parse_choice_number(spec, text + stem, &out[1]);
+        if (length == typed && strncasecmp(choice, text, length) == 0)
             return RESULT_OK;
-        if (numbered && typed >= length && strncasecmp(choice, text, length - 1) == 0)
-            return parse_choice_number(spec, text + length - 1, &out[1]);
         choice += length + (choice[length] == '|');
     }
     return RESULT_USAGE;
@@ -218,6 +224,7 @@ void option_describe_expected(const OptionSpec *spec, char *out, size_t size) {
         snprintf(out, size, "%s", expected);
 }
 
+// NULL where none is near, or where only the number is wrong, whose range has been told.
 static const char *nearest_choice(const OptionSpec *spec, const char *text, char *buffer, size_t size) {
     const char *names[16];
     int count = 0;
@@ -227,6 +234,8 @@ static const char *nearest_choice(const OptionSpec *spec, const char *text, char
         rest = strchr(rest, '|');
         if (rest)
             *rest++ = '\0';
+        if (numbered_stem(names[count - 1], strlen(names[count - 1]), text))
+            return NULL;
     }
     return suggest_nearest(text, names, count);
 }
@@ -281,6 +290,7 @@ Result options_create(CommandId command, Options **out) {
     if (!options)
         return RESULT_MEMORY;
     options->command = command;
+    options->program = "overfly";
     for (int i = 0; i < OPTION_COUNT; i++) {
         if (!specs[i].default_text)
             continue;
@@ -317,6 +327,14 @@ Result options_add_positional(Options *options, const char *text) {
     }
     options->positionals[options->positional_count++] = text;
     return RESULT_OK;
+}
+
+void options_name_program(Options *options, const char *program) {
+    options->program = program;
+}
+
+const char *options_program(const Options *options) {
+    return options->program;
 }
 
 CommandId options_command(const Options *options) {

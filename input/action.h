@@ -6,15 +6,19 @@
 
 #define KEY_ESCAPE 256
 #define KEY_ENTER 257
+#define KEY_BACKSPACE 259
 #define KEY_RIGHT 262
 #define KEY_LEFT 263
 #define KEY_DOWN 264
 #define KEY_UP 265
 #define KEY_PAGE_UP 266
 #define KEY_PAGE_DOWN 267
+#define KEY_HOME 268
+#define KEY_END 269
 #define KEY_F1 290
 #define KEY_F2 291
 #define KEY_F3 292
+#define KEY_F5 294
 #define KEY_PAD_0 320
 #define KEY_PAD_2 322
 #define KEY_PAD_4 324
@@ -34,10 +38,17 @@
     X(RUDDER_LEFT, "0", "rudder left")                                                                                 \
     X(RUDDER_RIGHT, "Enter", "rudder right")                                                                           \
     X(THROTTLE_UP, "PgUp", "more throttle")                                                                            \
-    X(THROTTLE_DOWN, "PgDn", "less throttle")
+    X(THROTTLE_DOWN, "PgDn", "less throttle")                                                                          \
+    X(TRIM_DOWN, "Home", "trim nose down")                                                                             \
+    X(TRIM_UP, "End", "trim nose up")                                                                                  \
+    X(BRAKES, "b", "wheel brakes")
 
 #define ACTION_ONCE_TABLE(X)                                                                                           \
     X(CENTRE, "5", "centre stick and rudder")                                                                          \
+    X(FLAPS_UP, "[", "flaps up a notch")                                                                               \
+    X(FLAPS_DOWN, "]", "flaps down a notch")                                                                           \
+    X(GEAR_UP, "g", "gear up")                                                                                         \
+    X(GEAR_DOWN, "G", "gear down")                                                                                     \
     X(VIEW_NEXT, "v", "next view")                                                                                     \
     X(VIEW_PREVIOUS, "V", "previous view")                                                                             \
     X(ZOOM_IN, "x", "narrower field of view")                                                                          \
@@ -59,16 +70,37 @@
     X(LEAVE, "Esc", "leave")
 // clang-format on
 
+// What keys do while a recorded flight is shown, instead of flying. Hops go on for as long as their key is down.
+// clang-format off
+#define ACTION_REPLAY_TABLE(X)                                                                                         \
+    X(REPLAY_BACK, "Left", "5 s back")                                                                                 \
+    X(REPLAY_AHEAD, "Right", "5 s ahead")                                                                              \
+    X(REPLAY_FASTER, "Up", "faster")                                                                                   \
+    X(REPLAY_SLOWER, "Down", "slower")                                                                                 \
+    X(REPLAY_PLAY, "Space", "play, pause")                                                                             \
+    X(REPLAY_TURN, "Backspace", "the other way round")                                                                 \
+    X(REPLAY_START, "Home", "to the start")                                                                            \
+    X(REPLAY_END, "End", "to the end")                                                                                 \
+    X(REPLAY_TENTH, "0-9", "to so many tenths of the flight")                                                       \
+    X(REPLAY_TAKE_OVER, "Enter", "take over the controls")
+// clang-format on
+
 typedef enum Action {
 #define ACTION_ENUM(id, keys, help) ACTION_##id,
     ACTION_HELD_TABLE(ACTION_ENUM) ACTION_HELD_COUNT,
     ACTION_HELD_LAST = ACTION_HELD_COUNT - 1,
-    ACTION_ONCE_TABLE(ACTION_ENUM) ACTION_COUNT,
+    ACTION_ONCE_TABLE(ACTION_ENUM) ACTION_REPLAY_TABLE(ACTION_ENUM) ACTION_COUNT,
 #undef ACTION_ENUM
     ACTION_NONE = -1
 } Action;
 
 // What the key does; ACTION_NONE: nothing.
 Action action_of_key(int key, bool shift);
+// The same of ACTION_REPLAY_TABLE.
+Action action_of_replay_key(int key);
 const char *action_keys(Action action); // "PgUp"
 const char *action_help(Action action);
+
+#define ACTION_NAME_BYTES 32
+// As files write it: "view-next".
+void action_name(Action action, char out[ACTION_NAME_BYTES]);

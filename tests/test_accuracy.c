@@ -347,19 +347,21 @@ static void test_hitches_are_told_with_their_cause(void **state) {
     AccuracyHitch hitches[ACCURACY_HITCHES_MAX];
     int before, found;
     (void)accuracy_hitches(&b->accuracy, 0, hitches, &before);
-    AccuracyFrame *frames[] = {&run->frames[1], &run->frames[2], &run->frames[4]}; // 0 and 3 are jumps
-    const AccuracyFrame kept[] = {*frames[0], *frames[1], *frames[2]};
+    AccuracyFrame *frames[] = {&run->frames[1], &run->frames[2], &run->frames[4], &run->frames[5]}; // others: jumps
+    const AccuracyFrame kept[] = {*frames[0], *frames[1], *frames[2], *frames[3]};
     double p50 = run->summary.frame_ms.p50;
     frames[0]->median.draw_ms += 3000.0 * p50;
     frames[0]->median.frame_ms = 3000.0 * p50;
-    frames[1]->most.frame_ms = 200.0 * frames[1]->median.frame_ms;
+    for (int i = 1; i < 4; i++) // whatever a busy machine made of them
+        frames[i]->median.frame_ms = frames[i]->most.frame_ms = p50;
+    frames[1]->most.frame_ms = 200.0 * p50;
     int count = accuracy_hitches(&b->accuracy, 0, hitches, &found);
     assert_true(found >= 2 && found <= before + 2 && count >= 2);
     assert_int_equal(hitches[0].pose, 1);
     assert_non_null(strstr(hitches[0].cause, "all rounds: drawing"));
     assert_int_equal(hitches[1].pose, 2);
     assert_non_null(strstr(hitches[1].cause, "one round: the system"));
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 4; i++)
         *frames[i] = kept[i];
 }
 

@@ -139,8 +139,12 @@ static void test_errors_nest_for_any_size_and_place(void **state) {
 
 static uint64_t field_hash(const Terrain *terrain, TerrainErrorKind kind, int stride, ErrorScheme scheme, int workers) {
     Jobs *jobs = jobs_of(workers);
-    ErrorFieldInput input = {
-        terrain_dem(terrain)->height_m, terrain_grid(terrain), &terrain->forest, kind, stride, scheme, NULL};
+    ErrorFieldInput input = {.height_m = terrain_dem(terrain)->height_m,
+                             .grid = terrain_grid(terrain),
+                             .forest = &terrain->forest,
+                             .kind = kind,
+                             .stride = stride,
+                             .scheme = scheme};
     ErrorField field;
     assert_int_equal(error_field_create(&input, jobs, &field), RESULT_OK);
     uint64_t hash = error_field_hash(&field);

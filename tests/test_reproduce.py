@@ -7,40 +7,22 @@ import math
 import os
 import subprocess
 import sys
-import tempfile
 
-DEM = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "assets/data/dem/jacksboro_fault.tif")
+from cli_support import DEM, Cli, expect, expect_true, run_cases
+
 PAPERS = {"loeffler": ["table1", "table2"], "biedermann": ["table1"], "yalcin": ["table1"], "ye": ["results"]}
 TINY = ["--quick", "--sides", "65,129", "--seconds", "0.2"]
 
 
-class Fault(Exception):
-    pass
-
-
-def expect(what, found, wanted):
-    if found != wanted:
-        raise Fault(f"{what}: expected {wanted!r}, found {found!r}")
-
-
-def expect_true(what, holds):
-    if not holds:
-        raise Fault(what)
-
-
-class Cli:
-    """Runs the program; each paper's tiny experiment once, its three forms kept."""
+class ReproduceCli(Cli):
+    """Each paper's tiny experiment once, its three forms kept."""
 
     def __init__(self, program, folder):
-        self.program, self.folder, self.results = program, folder, {}
-        self.environment = {k: v for k, v in os.environ.items() if not k.startswith("OVERFLY_")}
-        self.environment.update(HOME=folder, XDG_CONFIG_HOME=os.path.join(folder, "config"))
-        self.environment.pop("DISPLAY", None)
+        super().__init__(program, folder)
+        self.results = {}
 
-    def run(self, *arguments):
-        done = subprocess.run([self.program, "reproduce", *arguments], capture_output=True, text=True,
-                              cwd=self.folder, env=self.environment, timeout=240, check=False)
-        return done.returncode, done.stdout, done.stderr
+    def run(self, *arguments, **environment):
+        return super().run("reproduce", *arguments, **environment)
 
     def output(self, *arguments):
         code, out, err = self.run(*arguments)
@@ -56,15 +38,6 @@ class Cli:
             with open(os.path.join(folder, f"{paper}.json"), encoding="utf-8") as file:
                 self.results[paper] = (folder, json.load(file))
         return self.results[paper]
-
-    def refused(self, code, said, *arguments):
-        found, out, err = self.run(*arguments)
-        what = " ".join(arguments)
-        expect(f"{what}: exit status, having said {err!r}", found, code)
-        expect(f"{what}: stdout", out, "")
-        expect(f"{what}: errors in {err!r}", err.count("error: "), 1)
-        for part in said:
-            expect_true(f"{what}: expected {part!r} in {err!r}", part in err)
 
 
 def cells_of(row):
@@ -233,23 +206,5 @@ TESTS = [the_json_keeps_its_contract, quick_says_what_it_left_out, csv_and_json_
          bash_completes_the_papers, folders_are_checked_before_the_work]
 
 
-def main():
-    names = sys.argv[2:]
-    failed = []
-    with tempfile.TemporaryDirectory() as folder:
-        cli = Cli(os.path.abspath(sys.argv[1]), folder)
-        for test in TESTS:
-            if names and test.__name__ not in names:
-                continue
-            try:
-                test(cli)
-                print(f"[       OK ] {test.__name__}")
-            except (Fault, KeyError, TypeError, ValueError, OSError, subprocess.TimeoutExpired) as fault:
-                print(f"[  FAILED  ] {test.__name__}: {fault!r}")
-                failed.append(test.__name__)
-    print(f"{len(failed)} failed")
-    return 1 if failed else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_cases(TESTS, ReproduceCli))

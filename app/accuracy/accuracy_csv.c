@@ -1,14 +1,13 @@
 #include "app/accuracy/accuracy_report.h"
+#include "app/csv.h"
 
 #include <inttypes.h>
 #include <math.h>
 
-// Quoted where a comma or a quote needs it; then a comma.
+// Then a comma.
 static void put_text(const char *text, FILE *to) {
-    fputc('"', to);
-    for (; *text; text++)
-        fprintf(to, *text == '"' ? "\"\"" : "%c", *text);
-    fputs("\",", to);
+    csv_put_text(text, to);
+    fputc(',', to);
 }
 
 // All digits; nothing for what is no number; then a comma.

@@ -1,32 +1,16 @@
-#define _POSIX_C_SOURCE 200809L
 #include "app/accuracy/accuracy_html.h"
 #include "app/accuracy/accuracy_plots.h"
+#include "app/text_file.h"
 #include "assets/image.h"
-#include "base/log.h"
 #include "config/files.h"
-#include "terrain/mesh/mesh_file.h"
 
-#include <errno.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
+#include <stdio.h>
 
 Result accuracy_check_report(const char *folder) {
-    char probe[PATHS_BYTES_MAX];
     Result result = accuracy_check_plots();
     if (result == RESULT_OK)
         result = files_make_folder(folder);
-    if (result != RESULT_OK)
-        return result;
-    int printed = snprintf(probe, sizeof probe, "%s/.overfly-%ld", folder, (long)getpid());
-    FILE *file = printed > 0 && printed < (int)sizeof probe - 64 ? fopen(probe, "w") : NULL;
-    if (!file) {
-        log_error("%s: no file can be made in it: %s; name another folder with -o", folder, strerror(errno));
-        return RESULT_IO;
-    }
-    fclose(file);
-    unlink(probe);
-    return RESULT_OK;
+    return result == RESULT_OK ? files_check_folder(folder) : result;
 }
 
 // ---- files that appear whole or not at all ----
@@ -54,33 +38,22 @@ static Result print_json(const Accuracy *accuracy, const char *folder, FILE *to)
 }
 
 static Result write_file(const Accuracy *accuracy, const char *folder, const char *name, Printer *print) {
-    char path[PATHS_BYTES_MAX], *bytes = NULL;
-    size_t count = 0;
+    char path[PATHS_BYTES_MAX];
+    TextFile file;
     snprintf(path, sizeof path, "%s/%s", folder, name);
-    FILE *memory = open_memstream(&bytes, &count);
-    Result result = memory ? print(accuracy, folder, memory) : RESULT_MEMORY;
-    bool complete = memory && !ferror(memory);
-    complete = memory && fclose(memory) == 0 && complete;
-    if (result == RESULT_OK && !complete)
-        result = RESULT_MEMORY;
-    if (result == RESULT_MEMORY)
-        log_error("%s: no memory to write it", path);
-    if (result == RESULT_OK)
-        result = mesh_file_write(path, bytes, count);
-    free(bytes);
-    return result;
+    Result result = text_file_begin(path, &file);
+    return result == RESULT_OK ? text_file_end(&file, print(accuracy, folder, file.to)) : result;
 }
 
 static Result write_flight(const AccuracyDem *dem, const char *stem, int flight, const char *folder) {
     char path[PATHS_BYTES_MAX];
+    TextFile file;
     snprintf(path, sizeof path, "%s/flight-%s-%s.csv", folder, stem, dem->tracks[flight].name);
-    FILE *file = fopen(path, "w");
-    bool written = file && track_write(&dem->tracks[flight], file);
-    if (file && fclose(file) != 0)
-        written = false;
-    if (!written)
-        log_error("%s: writing failed: %s", path, strerror(errno));
-    return written ? RESULT_OK : RESULT_IO;
+    Result result = text_file_begin(path, &file);
+    if (result != RESULT_OK)
+        return result;
+    (void)track_write(&dem->tracks[flight], file.to); // what the stream does not take, text_file_end tells
+    return text_file_end(&file, RESULT_OK);
 }
 
 static Result write_flights(const Accuracy *accuracy, const char *folder) {

@@ -2,6 +2,7 @@
 // it, in turn, through the threads of a real flight, without a window.
 #define _POSIX_C_SOURCE 200809L
 #include "app/bench/bench.h"
+#include "app/flight/flight_pipeline.h"
 #include "app/flight/flight_session.h"
 #include "app/live/monitor.h"
 #include "app/picture_options.h"
@@ -52,15 +53,9 @@ static Result allocate(Bench *bench) {
 }
 
 static Result start_pipeline(Bench *bench) {
-    PipelineOptions pipeline = {.threaded = true,
-                                .lod = scene_lod_options(bench->options),
-                                .bound_brute = true,
-                                .render = picture_render_options(bench->options, &bench->world),
-                                .terrain = bench->world.terrain,
-                                .jobs = bench->world.jobs,
-                                .context = bench->context};
-    Result result = pipeline_create(&pipeline, &bench->pipeline);
-    const MonitorOptions monitor = {pipeline.lod, pipeline.terrain, bench->pipeline};
+    Result result =
+        flight_pipeline_create(bench->options, &bench->world, bench->session, bench->context, NULL, &bench->pipeline);
+    const MonitorOptions monitor = {scene_lod_options(bench->options), bench->world.terrain, bench->pipeline};
     return result == RESULT_OK ? monitor_create(&monitor, &bench->monitor) : result;
 }
 

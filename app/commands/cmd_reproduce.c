@@ -8,6 +8,7 @@
 #include "app/signals.h"
 #include "base/clock.h"
 #include "base/log.h"
+#include "config/files.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -46,7 +47,7 @@ static Result read_options(const Options *options, Reproduce *run) {
     run->quick = options_flag(options, OPTION_QUICK);
     run->seconds = options_is_set(options, OPTION_SECONDS) ? options_number(options, OPTION_SECONDS) : 0.0;
     Result result = sides ? bench_read_sides(sides, REPRODUCE_SIDES_MAX, run->sides, &run->side_count) : RESULT_OK;
-    return result == RESULT_OK && folder ? report_check_folder(folder) : result;
+    return result == RESULT_OK && folder ? files_check_folder(folder) : result;
 }
 
 static Result start_workers(Reproduce *run) {

@@ -2,6 +2,8 @@
 
 #include "app/flight/flight_contact.h"
 #include "app/flight/flight_forces.h"
+#include "base/log.h"
+#include "base/statistics.h"
 #include "terrain/geodesy.h"
 
 #include <math.h>
@@ -108,6 +110,22 @@ static GovernorFrame judged_frame(const PipelineFrame *frame) {
                            .disturbed = frame->disturbed};
 }
 
+static double median_cost_ms(const PipelineStats *stats) {
+    double cost_ms[PIPELINE_FRAMES_KEPT];
+    int count = 0;
+    for (int64_t i = 0; i < stats->frames && i < PIPELINE_FRAMES_KEPT; i++)
+        if (!stats->latest[i].disturbed)
+            cost_ms[count++] = stats->latest[i].cost_ms;
+    statistics_sort(cost_ms, count);
+    return count ? statistics_percentile(cost_ms, count, 0.5) : stats->frame_ms;
+}
+
+static void warn_of_slow_frames(const FlightSession *session, const PipelineStats *stats) {
+    log_warn("--target-ms %g: even the coarsest tolerance, %g px, takes %.3g ms a frame here; take a longer time, or "
+             "fewer pixels (--size)",
+             session->settings.target_ms, GOVERNOR_TAU_MAX_PX, median_cost_ms(stats));
+}
+
 void session_govern(FlightSession *session, const PipelineStats *stats) {
     FlightSettings *settings = &session->settings;
     if (!(settings->target_ms > 0.0))
@@ -119,6 +137,8 @@ void session_govern(FlightSession *session, const PipelineStats *stats) {
     for (; session->frames_judged < stats->frames; session->frames_judged++) {
         GovernorFrame frame = judged_frame(&stats->latest[session->frames_judged % PIPELINE_FRAMES_KEPT]);
         (void)governor_hear(&session->governor, &frame);
+        if (governor_notice_slow(&session->slow_notice, &session->governor, frame.passed_s))
+            warn_of_slow_frames(session, stats);
     }
     settings->tau_px = session->governor.tau_px;
 }
@@ -130,9 +150,17 @@ static void take_over(FlightSession *session, const char *why) {
 }
 
 void session_on_key(FlightSession *session, int key, bool pressed, bool shift) {
+    if (session->playback && pressed && session_replay_key(session, key))
+        return;
     keyboard_on_key(&session->keyboard, key, pressed, shift);
-    if (session->demo_flies && keyboard_touches_controls(&session->keyboard))
+    if (session->demo_flies && session->settings.view != CAMERA_FREE && keyboard_touches_controls(&session->keyboard))
         take_over(session, "you have control");
+}
+
+void session_on_repeat(FlightSession *session, int key) {
+    Action action = session->playback ? action_of_replay_key(key) : ACTION_NONE;
+    if (action == ACTION_REPLAY_BACK || action == ACTION_REPLAY_AHEAD)
+        (void)session_replay_key(session, key);
 }
 
 static void act(FlightSession *session, Action action) {
@@ -147,14 +175,53 @@ static void act(FlightSession *session, Action action) {
     case ACTION_CENTRE:
         keyboard_centre(&session->keyboard);
         return;
+    case ACTION_FLAPS_UP:
+    case ACTION_FLAPS_DOWN:
+        keyboard_move_flaps(&session->keyboard, action == ACTION_FLAPS_DOWN);
+        return;
+    case ACTION_GEAR_UP:
+    case ACTION_GEAR_DOWN:
+        keyboard_set_gear(&session->keyboard, action == ACTION_GEAR_UP);
+        return;
     default:
         if (flight_settings_apply(&session->settings, action, message, sizeof message) && message[0])
             session_say(session, message);
     }
 }
 
+// In the free view the stick flies the camera, and the aircraft keeps its controls.
+static CameraMotion camera_motion(const FlightSession *session) {
+    const Keyboard *keyboard = &session->keyboard;
+    if (session->settings.view != CAMERA_FREE)
+        return (CameraMotion){0};
+    return (CameraMotion){.turn = keyboard_direction(keyboard, ACTION_STICK_LEFT, ACTION_STICK_RIGHT),
+                          .tilt = keyboard_direction(keyboard, ACTION_STICK_BACK, ACTION_STICK_FORWARD),
+                          .ahead = keyboard_direction(keyboard, ACTION_THROTTLE_DOWN, ACTION_THROTTLE_UP),
+                          .aside = keyboard_direction(keyboard, ACTION_RUDDER_LEFT, ACTION_RUDDER_RIGHT)};
+}
+
+static Controls sample_keyboard(FlightSession *session) {
+    if (session->settings.view == CAMERA_FREE)
+        return session->keyboard.controls;
+    if (session->pilot)
+        return pilot_sample(session->pilot, &session->keyboard, FLIGHT_STEP_S);
+    return keyboard_sample(&session->keyboard, FLIGHT_STEP_S);
+}
+
+// What pads reported before a step begins acts in it.
+static void hear_pads(FlightSession *session, int64_t until_ns) {
+    char message[PILOT_MESSAGE_BYTES];
+    if (!session->pilot)
+        return;
+    pilot_hear(session->pilot, &session->keyboard, until_ns, message);
+    if (message[0])
+        session_say(session, message);
+    if (pilot_was_touched(session->pilot) && session->demo_flies)
+        take_over(session, "you have control");
+}
+
 static void step(FlightSession *session) {
-    Controls controls = keyboard_sample(&session->keyboard, FLIGHT_STEP_S);
+    Controls controls = sample_keyboard(session);
     if (session->demo_flies)
         controls = demo_fly(&session->demo, &session->flight);
     FlightContact before = session->flight.state.contact;
@@ -166,12 +233,31 @@ static void step(FlightSession *session) {
         take_over(session, "the demo is over: you have control");
 }
 
+static void fly_steps(FlightSession *session, double passed_s) {
+    int steps = flight_clock_steps(&session->settings.clock, passed_s, FLIGHT_STEP_S);
+    double step_ns = FLIGHT_STEP_S / flight_clock_rate(&session->settings.clock) * 1e9;
+    double end_ns = (double)session->now_ns - session->settings.clock.owed_s * 1e9;
+    for (int i = 0; i < steps; i++) {
+        hear_pads(session, session->now_ns ? (int64_t)(end_ns - (steps - i) * step_ns) : PILOT_EVERYTHING);
+        step(session);
+    }
+}
+
 void session_advance(FlightSession *session, double passed_s) {
+    if (session->pilot)
+        pilot_poll(session->pilot);
+    if (session->playback || session->settings.clock.paused)
+        hear_pads(session, PILOT_EVERYTHING);
     for (Action action; (action = keyboard_next_action(&session->keyboard)) != ACTION_NONE;)
         act(session, action);
-    int steps = flight_clock_steps(&session->settings.clock, passed_s, FLIGHT_STEP_S);
-    for (int i = 0; i < steps; i++)
-        step(session);
+    if (session->playback)
+        session_replay_advance(session, passed_s);
+    else
+        fly_steps(session, passed_s);
+    if (session->pilot)
+        pilot_look(session->pilot, &session->rig.look_right, &session->rig.look_up);
+    const CameraMotion motion = camera_motion(session);
+    camera_rig_advance(&session->rig, &session->flight, session->settings.view, &motion, passed_s);
     session->message_s = fmax(session->message_s - passed_s, 0.0);
 }
 
@@ -180,21 +266,33 @@ double session_altitude_m(const FlightSession *session, const FlightInstruments 
                                          now->lon_rad / GEODESY_RAD_PER_DEG);
 }
 
-// The page of keys, from the table of actions.
-static const RenderHelpRow help_rows[] = {
+// The pages of keys, from the tables of actions.
 #define HELP_ROW(id, keys, help) {keys, help},
-    ACTION_HELD_TABLE(HELP_ROW) ACTION_ONCE_TABLE(HELP_ROW)
+static const RenderHelpRow help_rows[] = {ACTION_HELD_TABLE(HELP_ROW) ACTION_ONCE_TABLE(HELP_ROW)};
+static const RenderHelpRow replay_help_rows[] = {ACTION_REPLAY_TABLE(HELP_ROW) ACTION_ONCE_TABLE(HELP_ROW)};
 #undef HELP_ROW
-};
+
+static RenderReplay make_replay(const FlightSession *session) {
+    const Timeline *timeline = &session->timeline;
+    return (RenderReplay){.show = session->playback != NULL,
+                          .t_s = timeline->t_s,
+                          .duration_s = timeline->duration_s,
+                          .rate = timeline_rate(timeline),
+                          .paused = timeline->paused,
+                          .in_gap = session->moment.in_gap,
+                          .derived = session->moment.derived};
+}
 
 static RenderHud make_hud(const FlightSession *session, double frame_ms, double frame_p99_ms) {
     const FlightSettings *settings = &session->settings;
     FlightInstruments now = flight_instruments(&session->flight);
+    bool only_path = session->playback && session->moment.only_path;
     return (RenderHud){.show_flight = settings->show_flight,
                        .show_numbers = settings->show_numbers,
                        .show_help = settings->show_help,
-                       .help = help_rows,
-                       .help_count = (int)COUNT_OF(help_rows),
+                       .help = session->playback ? replay_help_rows : help_rows,
+                       .help_count = session->playback ? (int)COUNT_OF(replay_help_rows) : (int)COUNT_OF(help_rows),
+                       .replay = make_replay(session),
                        .heading_rad = now.heading_rad,
                        .pitch_rad = now.pitch_rad,
                        .bank_rad = now.bank_rad,
@@ -202,11 +300,16 @@ static RenderHud make_hud(const FlightSession *session, double frame_ms, double 
                        .altitude_m = session_altitude_m(session, &now),
                        .above_ground_m = now.above_ground_m,
                        .vertical_speed_m_s = now.vertical_speed_m_s,
-                       .throttle = session->flight.state.throttle,
+                       .throttle = only_path ? (double)NAN : session->flight.state.throttle,
                        .velocity_ecef = session->flight.state.velocity_ecef,
                        .over_terrain = now.over_ground,
                        .crashed = session->flight.state.contact == FLIGHT_CRASHED,
                        .paused = settings->clock.paused,
+                       .alpha_rad = only_path ? (double)NAN : now.alpha_rad,
+                       .outside = camera_is_outside(settings->view),
+                       .aircraft_ecef = session->flight.state.position_ecef,
+                       .nose_ecef = quatd_rotate(session->flight.state.ecef_from_body, vec3d(1, 0, 0)),
+                       .wing_ecef = quatd_rotate(session->flight.state.ecef_from_body, vec3d(0, 1, 0)),
                        .datum = "EGM96",
                        .show_names = settings->show_flight && !settings->show_numbers,
                        .target_ms = settings->target_ms,
@@ -224,7 +327,7 @@ void session_order(const FlightSession *session, int width, int height, double f
                           .width = width,
                           .height = height};
     RenderPacket *look = &order->look;
-    look->camera = camera_of_flight(&session->flight, settings->view, settings->fov_rad);
+    look->camera = camera_of_flight(&session->flight, &session->rig, settings->view, settings->fov_rad);
     look->sun_ecef = session->sun_ecef;
     look->colouring = settings->colouring;
     look->wireframe = settings->wireframe;

@@ -6,7 +6,10 @@
 #include "app/flight/flight_model.h"
 #include "app/flight/flight_settings.h"
 #include "app/flight/governor.h"
+#include "app/flight/pilot.h"
 #include "app/pipeline/pipeline.h"
+#include "app/replay/playback.h"
+#include "app/replay/timeline.h"
 #include "app/scene_load.h"
 #include "input/keyboard.h"
 
@@ -17,10 +20,17 @@ typedef struct FlightSession {
     FlightSettings settings;
     Governor governor;     // where settings.target_ms is above 0
     int64_t frames_judged; // that the governor was told of
+    GovernorNotice slow_notice;
     Flight flight;
+    CameraRig rig;
     Keyboard keyboard;
+    Pilot *pilot;   // borrowed; NULL: the keyboard alone
+    int64_t now_ns; // until when session_advance flies, as base/clock.h counts; 0: not by a clock
     Demo demo;
     bool demo_flies;
+    Playback *playback; // borrowed: shown instead of flying; NULL: flown
+    Timeline timeline;
+    PlaybackMoment moment;
     int crashes;
     bool screenshot_wanted, leave_wanted; // by a key; the caller takes them back
     Vec3d sun_ecef;                       // unit
@@ -32,15 +42,26 @@ typedef struct FlightSession {
 // The aircraft at the scene's start, or where the terrain looks best; the demo when asked for. Errors of the demo.
 MUST_USE Result session_create(const World *world, const Options *options, FlightSession *out);
 
+// Shows a recorded flight from now on: --at, --time-rate, --backwards. USAGE, logged: no such time.
+MUST_USE Result session_begin_replay(FlightSession *session, Playback *playback, const Options *options);
+// Flies on from the moment shown.
+void session_end_replay(FlightSession *session);
+
 // Keys as the window reports them.
 void session_on_key(FlightSession *session, int key, bool pressed, bool shift);
+// A key that is still down.
+void session_on_repeat(FlightSession *session, int key);
 // Carries out key presses, then flies `passed_s` seconds on in fixed steps.
 void session_advance(FlightSession *session, double passed_s);
 void session_say(FlightSession *session, const char *message);
+// What a replay does with a key and with time; for session_on_key and session_advance.
+bool session_replay_key(FlightSession *session, int key); // false: not one of its own
+void session_replay_advance(FlightSession *session, double passed_s);
 // Says when a method could not come, and which one is shown instead; and when the GPU could not work for it.
 void session_hear_changes(FlightSession *session, const MethodChanges *changes, LodMethod shown);
 
-// Tells the governor, if there is one, what the frames cost that were drawn since, and sets the tolerance.
+// Tells the governor, if there is one, what the frames cost that were drawn since, and sets the tolerance. A target
+// that is out of reach is warned of.
 void session_govern(FlightSession *session, const PipelineStats *stats);
 
 // What to draw now, in a framebuffer of that size. `frame_ms` and `frame_p99_ms` are for the HUD.

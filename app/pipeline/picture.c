@@ -13,15 +13,29 @@
 
 #define SAME_SECOND_MAX 100
 
+// To be freed; of the caller, also where it fails.
+static Result read_picture(Renderer *renderer, int width, int height, uint8_t **rgb) {
+    *rgb = malloc((size_t)width * (size_t)height * 3);
+    if (*rgb)
+        return render_read_pixels(renderer, *rgb);
+    log_error("no memory for a picture of %d x %d", width, height);
+    return RESULT_MEMORY;
+}
+
 Result picture_write(Renderer *renderer, int width, int height, const char *path) {
-    uint8_t *rgb = malloc((size_t)width * (size_t)height * 3);
-    if (!rgb) {
-        log_error("%s: no memory for a picture of %d x %d", path, width, height);
-        return RESULT_MEMORY;
-    }
-    Result result = render_read_pixels(renderer, rgb);
+    uint8_t *rgb;
+    Result result = read_picture(renderer, width, height, &rgb);
     if (result == RESULT_OK)
         result = image_write_png(path, width, height, 3, rgb);
+    free(rgb);
+    return result;
+}
+
+Result picture_film(Renderer *renderer, int width, int height, Video *video) {
+    uint8_t *rgb;
+    Result result = read_picture(renderer, width, height, &rgb);
+    if (result == RESULT_OK)
+        result = video_add(video, rgb);
     free(rgb);
     return result;
 }
@@ -29,7 +43,7 @@ Result picture_write(Renderer *renderer, int width, int height, const char *path
 Result picture_check_name(const char *path, const char *option) {
     const char *dot = strrchr(path, '.');
     if (dot && strcasecmp(dot, ".png") == 0)
-        return RESULT_OK;
+        return files_check_folder_of(path);
     log_error("%s: expected a file name that ends in .png; found '%s'", option, path);
     return RESULT_USAGE;
 }

@@ -86,6 +86,8 @@ static Result draw(Pipeline *p, Packet *packet, Drawn *drawn) {
         return RESULT_OK;
     if (result == RESULT_OK && order->picture[0])
         drawn->picture_failure = picture_write(p->renderer, order->width, order->height, order->picture);
+    if (result == RESULT_OK && order->film && p->options.video)
+        result = picture_film(p->renderer, order->width, order->height, p->options.video);
     begin_ns = clock_now_ns();
     context_swap(p->options.context);
     drawn->swap_ns = clock_now_ns() - begin_ns;
@@ -114,7 +116,7 @@ static PacketState count_frame(Pipeline *p, Packet *packet, const Drawn *drawn) 
                                .waited_ns = p->waited_ns + drawn->swap_ns,
                                .width = order->width,
                                .height = order->height,
-                               .wrote = order->picture[0] != '\0'};
+                               .wrote = order->picture[0] != '\0' || order->film};
     int64_t now_ns = clock_now_ns();
     PacketState state = hold(p, packet, &drawn->stats, now_ns) ? PACKET_HELD : PACKET_FREE;
     packet_mark_drawn(packet, methods);
@@ -361,7 +363,7 @@ void pipeline_destroy(Pipeline **pipeline) {
 }
 
 static Result submit_to_threads(Pipeline *p, const FrameOrder *order, bool wait) {
-    bool must_wait = wait || (p->has_waiting && p->waiting.picture[0]);
+    bool must_wait = wait || (p->has_waiting && (p->waiting.picture[0] || p->waiting.film));
     while (must_wait && p->has_waiting && p->failure == RESULT_OK)
         pthread_cond_wait(&p->changed, &p->lock);
     if (p->failure != RESULT_OK)

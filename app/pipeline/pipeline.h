@@ -3,6 +3,7 @@
 // terrain, jobs and context. One thread submits.
 #pragma once
 #include "app/pipeline/pipeline_counts.h"
+#include "app/pipeline/video.h"
 #include "base/base.h"
 #include "base/paths.h"
 #include "render/context/context.h"
@@ -21,6 +22,7 @@ typedef struct FrameOrder {
     RenderPacket look;                    // all but cuts, `split`, and the HUD's message and methods
     char message[PIPELINE_MESSAGE_BYTES]; // for the HUD; "": none
     char picture[PATHS_BYTES_MAX];        // write the finished frame as PNG; "": no
+    bool film;                            // add it to PipelineOptions.video
 } FrameOrder;
 
 typedef struct PipelineOptions {
@@ -33,6 +35,7 @@ typedef struct PipelineOptions {
     const Terrain *terrain;
     Jobs *jobs;
     Context *context; // current nowhere; the drawing thread makes it current
+    Video *video;     // borrowed, or NULL
 } PipelineOptions;
 
 typedef struct Pipeline Pipeline;
@@ -47,8 +50,8 @@ void pipeline_destroy(Pipeline **pipeline);
 // Where the renderer has no room for a resident method, its frames are refined again, by the method before or by the
 // processor's twin, and drawn then.
 //  While the stage before is still busy: `wait` true waits; false replaces an order that was not
-// begun, as only the newest view matters to a person. Pictures are never dropped. The error of any earlier frame comes
-// back here.
+// begun, as only the newest view matters to a person. Pictures and frames of a film are never dropped. The error of any
+// earlier frame comes back here.
 MUST_USE Result pipeline_submit(Pipeline *pipeline, const FrameOrder *order, bool wait);
 // Waits until everything submitted is drawn; the error of any frame.
 MUST_USE Result pipeline_drain(Pipeline *pipeline);

@@ -1,31 +1,6 @@
-#define _POSIX_C_SOURCE 200809L
 #include "app/reproduce/reproduce_report.h"
-#include "base/log.h"
+#include "app/text_file.h"
 #include "base/paths.h"
-#include "config/files.h"
-#include "terrain/mesh/mesh_file.h"
-
-#include <errno.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
-
-Result report_check_folder(const char *folder) {
-    char probe[PATHS_BYTES_MAX];
-    if (!files_is_folder(folder)) {
-        log_error("%s: not a folder; expected one that is there: mkdir -p '%s'", folder, folder);
-        return RESULT_NOT_FOUND;
-    }
-    int printed = snprintf(probe, sizeof probe, "%s/.overfly-%ld", folder, (long)getpid());
-    FILE *file = printed < (int)sizeof probe ? fopen(probe, "w") : NULL;
-    if (!file) {
-        log_error("%s: no file can be made in it: %s; name another folder with -o", folder, strerror(errno));
-        return RESULT_IO;
-    }
-    fclose(file);
-    unlink(probe);
-    return RESULT_OK;
-}
 
 typedef enum Form { FORM_TEXT, FORM_JSON, FORM_CSV } Form;
 
@@ -41,21 +16,9 @@ static Result print_form(const Report *report, const ReportTable *table, Form fo
 }
 
 static Result write_form(const Report *report, const ReportTable *table, Form form, const char *path) {
-    char *bytes = NULL;
-    size_t count = 0;
-    FILE *memory = open_memstream(&bytes, &count);
-    Result result = memory ? print_form(report, table, form, memory) : RESULT_MEMORY;
-    bool complete = memory && !ferror(memory);
-    if (memory && fclose(memory) != 0)
-        complete = false;
-    if (!memory || (result == RESULT_OK && !complete)) {
-        log_error("%s: no memory to write it", path);
-        result = RESULT_MEMORY;
-    }
-    if (result == RESULT_OK)
-        result = mesh_file_write(path, bytes, count);
-    free(bytes);
-    return result;
+    TextFile file;
+    Result result = text_file_begin(path, &file);
+    return result == RESULT_OK ? text_file_end(&file, print_form(report, table, form, file.to)) : result;
 }
 
 Result report_write_files(const Report *report, const char *folder) {

@@ -69,7 +69,11 @@ typedef struct Preprocess {
 } Preprocess;
 
 static Result time_field(Preprocess *p, int error, int way, int round) {
-    ErrorFieldInput input = {p->dem->height_m, p->grid, &p->forest, (TerrainErrorKind)error, 0, WAYS[way].scheme, NULL};
+    ErrorFieldInput input = {.height_m = p->dem->height_m,
+                             .grid = p->grid,
+                             .forest = &p->forest,
+                             .kind = (TerrainErrorKind)error,
+                             .scheme = WAYS[way].scheme};
     ErrorField field;
     int64_t begin = clock_now_ns();
     Result result = error_field_create(&input, WAYS[way].all_threads ? p->run->all : p->run->one, &field);

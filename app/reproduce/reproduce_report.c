@@ -2,6 +2,7 @@
 #include "app/reproduce/reproduce_report.h"
 
 #include "app/bench/bench.h"
+#include "app/csv.h"
 #include "base/log.h"
 
 #include <math.h>
@@ -162,18 +163,11 @@ void report_write_text(const Report *report, FILE *to) {
 
 // ---- CSV --------------------------------------------------------------------------------------------------------
 
-static void write_csv_text(const char *text, FILE *to) {
-    fputc('"', to);
-    for (; *text; text++)
-        fprintf(to, *text == '"' ? "\"\"" : "%c", *text);
-    fputc('"', to);
-}
-
 static void write_csv_cell(const ReportCell *cell, FILE *to) {
     if (cell->kind == REPORT_NUMBER)
         fprintf(to, "%.17g", cell->number);
     else if (cell->kind == REPORT_TEXT)
-        write_csv_text(cell->text, to);
+        csv_put_text(cell->text, to);
 }
 
 void report_write_csv(const ReportTable *table, FILE *to) {

@@ -77,7 +77,5 @@ void report_write_text(const Report *report, FILE *to);
 void report_write_csv(const ReportTable *table, FILE *to);
 MUST_USE Result report_write_json(const Report *report, FILE *to);
 
-// Whether files can be made in `folder`; before anything slow is done. NOT_FOUND, IO; logged.
-MUST_USE Result report_check_folder(const char *folder);
 // PAPER.md, PAPER.json and PAPER_TABLE.csv for each table, each whole or not at all. IO, MEMORY; logged.
 MUST_USE Result report_write_files(const Report *report, const char *folder);
