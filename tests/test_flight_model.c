@@ -24,8 +24,8 @@
 static bool ridge_ground(void *user, double lat_rad, double lon_rad, double *h_m) {
     (void)user;
     (void)lon_rad;
-    // A wall 80 m thick, 2 km north.
-    *h_m = fabs((lat_rad - FLIGHT_LAT) * GEODESY_A_M - 2000.0) < 40.0 ? 3000.0 : 0.0;
+    // A wall 80 m thick, 300 m north.
+    *h_m = fabs((lat_rad - FLIGHT_LAT) * GEODESY_A_M - 300.0) < 40.0 ? 30000.0 : 0.0;
     return true;
 }
 
@@ -56,7 +56,7 @@ static double energy(const Flight *flight) {
     return sum;
 }
 
-// The bound of docs/aircraft.md.
+// The bounds of docs/aircraft.md. A glider's spiral is unstable, so somebody must keep its wings level.
 static void trimmed_flight_drifts_little_in_an_hour(void **state) {
     (void)state;
     for (size_t i = 0; i < COUNT_OF(flight_types); i++) {
@@ -65,14 +65,24 @@ static void trimmed_flight_drifts_little_in_an_hour(void **state) {
         Flight flight = flight_in_air(&a, glider ? 5000.0 : 1500.0, glider ? 32.0 : 0.9 * a.cruise_speed);
         assert_true(flight.trimmed);
         FlightInstruments begin = flight_instruments(&flight);
-        flight_on(&flight, flight.controls, HOUR_S);
+        Autopilot autopilot = {.engaged = false};
+        AutopilotWish ahead = {.heading_rad = begin.heading_rad, .speed_m_s = 32.0};
+        for (int k = 0; k < (int)(HOUR_S * 120.0); k++) {
+            Controls controls = flight.controls, held = flight.controls;
+            if (glider && k % 12 == 0) {
+                held = autopilot_hold(&autopilot, &flight, &ahead, 0.1);
+                flight.controls.aileron = held.aileron;
+                flight.controls.rudder = held.rudder;
+            }
+            flight_step(&flight, &controls, FLIGHT_STEP_S);
+        }
         FlightInstruments now = flight_instruments(&flight);
-        print_message("%s after %.0f s: %.4f m higher, %.6f m/s calibrated, bank %.2g rad\n", a.id, HOUR_S,
-                      now.h_m - begin.h_m, now.calibrated_airspeed, now.bank_rad);
+        print_message("%s after %.0f s: %.4f m higher, %.6f m/s calibrated before, %.6f after, bank %.2g rad\n", a.id,
+                      HOUR_S, now.h_m - begin.h_m, begin.calibrated_airspeed, now.calibrated_airspeed, now.bank_rad);
         if (!glider)
             assert_true(fabs(now.h_m - begin.h_m) < 0.1);
-        assert_true(fabs(now.calibrated_airspeed - begin.calibrated_airspeed) < (glider ? 0.5 : 1e-3));
-        assert_true(fabs(now.bank_rad) < (glider ? 0.1 : 1e-3));
+        assert_true(fabs(now.calibrated_airspeed - begin.calibrated_airspeed) < (glider ? 0.2 : 1e-3));
+        assert_true(fabs(now.bank_rad) < 1e-3);
     }
 }
 
@@ -233,7 +243,7 @@ static void aircraft_stand_still_on_flat_and_sloping_ground(void **state) {
         double crept = vec3d_distance(flight.state.position_ecef, from);
         print_message("%s crept %.4f m in 30 s%s\n", a.id, crept, i % 2 ? " on a slope" : "");
         assert_int_equal(flight.state.contact, FLIGHT_ROLLING);
-        assert_true(crept < (i % 2 ? 0.3 : 0.06));
+        assert_true(crept < (i % 2 ? 0.3 : 0.1));
     }
 }
 
@@ -361,10 +371,10 @@ static void fast_flight_does_not_pass_through_a_ridge(void **state) {
     Aircraft a = flight_type("t37");
     for (size_t i = 0; i < COUNT_OF(speeds); i++) {
         Flight flight = flight_at(&a, 1000.0, 0.0, 0.0, speeds[i], (FlightGround){ridge_ground, NULL});
-        for (int k = 0; k < 120 * 60 && flight.state.contact != FLIGHT_CRASHED; k++)
+        for (int k = 0; k < 120 * 6 && flight.state.contact != FLIGHT_CRASHED; k++)
             flight_step(&flight, &flight.controls, FLIGHT_STEP_S);
         FlightInstruments now = flight_instruments(&flight);
-        if (flight.state.contact != FLIGHT_CRASHED || (now.lat_rad - FLIGHT_LAT) * GEODESY_A_M > 2041.0)
+        if (flight.state.contact != FLIGHT_CRASHED || (now.lat_rad - FLIGHT_LAT) * GEODESY_A_M > 341.0)
             fail_msg("%.0f m/s went through the wall", speeds[i]);
     }
 }
@@ -372,8 +382,8 @@ static void fast_flight_does_not_pass_through_a_ridge(void **state) {
 static Vec3d fly_with_step(const Aircraft *a, double dt_s) {
     Flight flight = flight_at(a, 3000.0, 0.3, 0.0, 1.1 * a->cruise_speed, (FlightGround){flight_nowhere, NULL});
     Controls controls = flight.controls; // engine and surfaces as they are: no paces of theirs
-    controls.elevator = 0.05;
-    controls.aileron = 0.04;
+    controls.elevator = 0.1;
+    controls.aileron = 0.1;
     controls.rudder = 0.05;
     int steps = (int)(4.0 / dt_s + 0.5);
     for (int i = 0; i < steps; i++)
@@ -387,8 +397,8 @@ static void halving_the_step_converges_with_fourth_order(void **state) {
     for (int i = 0; i < 2; i++) {
         Aircraft a = flight_type(flight_types[i]);
         Vec3d best = fly_with_step(&a, 1.0 / 960.0);
-        double coarse = vec3d_distance(fly_with_step(&a, 1.0 / 30.0), best);
-        double fine = vec3d_distance(fly_with_step(&a, 1.0 / 60.0), best);
+        double coarse = vec3d_distance(fly_with_step(&a, 1.0 / 15.0), best);
+        double fine = vec3d_distance(fly_with_step(&a, 1.0 / 30.0), best);
         double flown = vec3d_distance(fly_with_step(&a, FLIGHT_STEP_S), best);
         print_message("%s: errors after 4 s: %.3g m, %.3g m with half the step: factor %.1f; %.3g m with 1/120 s\n",
                       a.id, coarse, fine, coarse / fine, flown);

@@ -25,7 +25,7 @@ typedef struct GearLoad {
 // A spring and a damper along the plane's normal, and friction in the plane: rolling and braking along the wheel, slip
 // across it, together at most the friction times the load. Friction grows with the speed up to CREEP, so that a braked
 // wheel on a slope creeps.
-#define GEAR_CREEP_M_S 0.05
+#define GEAR_CREEP_M_S 0.03
 GearLoad gear_load(const AircraftLeg *leg, const GearPlane *plane, const GearMotion *motion);
 // Energy in the spring, J.
 double gear_spring_energy(const AircraftLeg *leg, const GearPlane *plane);

@@ -62,8 +62,7 @@ FlightStepSetting flight_look_at_ground(const Flight *flight, const Controls *co
     setting.brake_left = controls->brake_left;
     setting.brake_right = controls->brake_right;
     double h_m, reach_m = radius_of(flight->aircraft) + vec3d_length(state->velocity_ecef) * FLIGHT_STEP_S;
-    Geodetic here = {asin(fmin(fmax(setting.up.z, -1.0), 1.0)), atan2(setting.up.y, setting.up.x), setting.origin_h_m};
-    if (!ground_height(&flight->ground, here, &h_m))
+    if (!ground_height(&flight->ground, flight_place(&setting, state->position_ecef), &h_m))
         return setting;
     setting.ground_h_m = h_m;
     if (setting.origin_h_m - h_m > 2.0 * reach_m || state->gear < GEAR_DOWN)
@@ -78,29 +77,31 @@ FlightStepSetting flight_look_at_ground(const Flight *flight, const Controls *co
 }
 
 // Height above the ground, or above the floor of the world where there is none.
-static double height_of(const FlightGround *ground, Vec3d position) {
-    double above_m;
-    return flight_ground_below(ground, position, &above_m) ? above_m : geodesy_from_ecef(position).h_m - FLOOR_M;
+static double height_of(const FlightGround *ground, const FlightStepSetting *setting, Vec3d position) {
+    Geodetic place = flight_place(setting, position);
+    double h_m;
+    return place.h_m - (ground_height(ground, place, &h_m) ? h_m : FLOOR_M);
 }
 
 // Where the centre of gravity came into the ground, if it did; else how high it is at the end.
-static bool find_contact(const FlightGround *ground, Vec3d from, Vec3d to, Vec3d *where, double *above_m) {
-    Vec3d way = vec3d_sub(to, from);
+static bool find_contact(const FlightGround *ground, const FlightStepSetting *setting, Vec3d to, Vec3d *where,
+                         double *above_m) {
+    Vec3d from = setting->origin_ecef, way = vec3d_sub(to, from);
     int count = (int)fmin(ceil(vec3d_length(way) / SWEEP_M), SWEEP_MAX);
     for (int i = 1; i <= count || i == 1; i++) {
         *where = i >= count ? to : vec3d_mad(from, way, (double)i / count);
-        *above_m = height_of(ground, *where);
+        *above_m = height_of(ground, setting, *where);
         if (*above_m <= 0.0)
             return true;
     }
     return false;
 }
 
-static bool hull_touches(const Flight *flight) {
+static bool hull_touches(const Flight *flight, const FlightStepSetting *setting) {
     const Aircraft *a = flight->aircraft;
     const Vec3d parts[] = {a->nose, a->tail, a->tip, {a->tip.x, -a->tip.y, a->tip.z}, a->belly};
     for (size_t i = 0; i < COUNT_OF(parts); i++)
-        if (height_of(&flight->ground, place_of(&flight->state, parts[i])) < 0.0)
+        if (height_of(&flight->ground, setting, place_of(&flight->state, parts[i])) < 0.0)
             return true;
     return false;
 }
@@ -114,17 +115,17 @@ static void crash(FlightState *state, Vec3d where) {
     state->wheels = 0;
 }
 
-void flight_touch_ground(Flight *flight, Vec3d from, uint8_t wheels, double sink_m_s) {
+void flight_touch_ground(Flight *flight, const FlightStepSetting *setting, uint8_t wheels, double sink_m_s) {
     FlightState *state = &flight->state;
     Vec3d where;
     double above_m;
     state->wheels = wheels;
     state->contact = wheels ? FLIGHT_ROLLING : FLIGHT_AIRBORNE;
-    if (find_contact(&flight->ground, from, state->position_ecef, &where, &above_m)) {
+    if (find_contact(&flight->ground, setting, state->position_ecef, &where, &above_m)) {
         crash(state, where);
         return;
     }
     bool near = above_m < radius_of(flight->aircraft);
-    if (sink_m_s > flight->aircraft->sink_limit || (near && hull_touches(flight)))
+    if (sink_m_s > flight->aircraft->sink_limit || (near && hull_touches(flight, setting)))
         crash(state, state->position_ecef);
 }

@@ -12,6 +12,6 @@ bool flight_ground_plane(const FlightGround *ground, Vec3d position_ecef, Vec3d 
 
 // What the ground is like for the coming step: planes under the legs when they are near it.
 FlightStepSetting flight_look_at_ground(const Flight *flight, const Controls *controls);
-// After a step that began at `from` and brought wheels down at `sink_m_s`: airborne, rolling, or a crash. Looks along
+// After a step with this setting that brought wheels down at `sink_m_s`: airborne, rolling, or a crash. Looks along
 // the way, so that fast flight does not pass through a ridge. A crash takes all energy of motion.
-void flight_touch_ground(Flight *flight, Vec3d from, uint8_t wheels, double sink_m_s);
+void flight_touch_ground(Flight *flight, const FlightStepSetting *setting, uint8_t wheels, double sink_m_s);

@@ -4,7 +4,6 @@
 #include "app/aircraft/isa.h"
 #include "app/aircraft/propulsion.h"
 #include "app/aircraft/trim.h"
-#include "terrain/geodesy.h"
 
 #include <math.h>
 
@@ -32,12 +31,17 @@ FlightStepSetting flight_setting(const FlightState *state) {
                                .ground_h_m = -INFINITY};
 }
 
-// Height and vertical within a step, to the second order of its way: some 1e-14 of them for 1 m.
 static double height_and_up(const FlightStepSetting *at, Vec3d position, Vec3d *up) {
     Vec3d way = vec3d_sub(position, at->origin_ecef);
     double e = vec3d_dot(way, at->east), n = vec3d_dot(way, at->north);
     *up = vec3d_normalize(vec3d_mad(vec3d_mad(at->up, at->east, e * at->east_curve), at->north, n * at->north_curve));
     return at->origin_h_m + vec3d_dot(way, at->up) + 0.5 * (e * e * at->east_curve + n * n * at->north_curve);
+}
+
+Geodetic flight_place(const FlightStepSetting *setting, Vec3d position) {
+    Vec3d up;
+    double h_m = height_and_up(setting, position, &up);
+    return (Geodetic){asin(fmin(fmax(up.z, -1.0), 1.0)), atan2(up.y, up.x), h_m};
 }
 
 static Place look_around(const Flight *flight, const FlightState *state, const FlightStepSetting *setting) {

@@ -4,6 +4,7 @@
 #pragma once
 #include "app/aircraft/gear.h"
 #include "app/flight/flight_model.h"
+#include "terrain/geodesy.h"
 
 // What stays the same during a step.
 typedef struct FlightStepSetting {
@@ -22,6 +23,9 @@ typedef struct FlightStepSetting {
 
 // The setting of a step that begins at `state`, above no ground.
 FlightStepSetting flight_setting(const FlightState *state);
+// Place of a position within a step, to the second order of the way from its origin: within 1e-14 of
+// it for 1 m, 1e-9 for 200 m.
+Geodetic flight_place(const FlightStepSetting *setting, Vec3d position_ecef);
 
 // The time derivative of a state, and what else is known on the way.
 typedef struct FlightMotion {

@@ -101,7 +101,6 @@ static int parts_of(const Flight *flight, const FlightStepSetting *setting, doub
 }
 
 static void advance(Flight *flight, const Controls *controls, double dt_s) {
-    Vec3d from = flight->state.position_ecef;
     FlightStepSetting setting = flight_look_at_ground(flight, controls);
     int parts = parts_of(flight, &setting, dt_s);
     FlightMotion motion = {.wheels = 0};
@@ -112,7 +111,7 @@ static void advance(Flight *flight, const Controls *controls, double dt_s) {
         wheels = motion.wheels;
         sink_m_s = fmax(sink_m_s, motion.sink_m_s);
     }
-    flight_touch_ground(flight, from, wheels, sink_m_s);
+    flight_touch_ground(flight, &setting, wheels, sink_m_s);
 }
 
 static void begin_anew(Flight *flight);
