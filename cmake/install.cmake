@@ -22,6 +22,7 @@ add_custom_command(
   VERBATIM)
 add_custom_target(program ALL DEPENDS overfly ${manual})
 
+overfly_data_folder(aircraft ${data}/aircraft)
 overfly_data_folder(dem ${data}/dem)
 overfly_data_folder(joysticks ${data}/joysticks)
 overfly_data_folder(report ${data}/report)

@@ -104,6 +104,12 @@
       "stages one after another, 1/60 s a frame: the same pictures each time")                                         \
     X(JOYSTICK, "joystick", 0, FLAG, NULL, "true", 0, 0, NULL, COMMANDS_FLIGHT, "look for sticks and gamepads")        \
     X(DEMO, "demo", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY, "fly the scene's demonstration")                  \
+    X(AIRCRAFT, "aircraft", 0, TEXT, "NAME|FILE", "t37", 0, 0, NULL, COMMAND_FLY,                                      \
+      "what is flown: one that 'overfly aircraft' lists, or an aircraft file")                                         \
+    X(TRIM, "trim", 0, FLAG, NULL, "true", 0, 0, NULL, COMMAND_FLY, "start in steady flight")                          \
+    X(ON_GROUND, "on-ground", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY, "start standing on the ground")         \
+    X(ASSIST, "assist", 0, FLAG, NULL, "true", 0, 0, NULL, COMMAND_FLY,                                                \
+      "keys ask for rates of pitch and roll, and the path stays when let go; without: they move the surfaces")         \
     X(TIME_RATE, "time-rate", 0, CHOICE, NULL, "1", 0, 0, CHOICES_TIME_RATE, COMMAND_FLY,                              \
       "how fast time runs at the start")                                                                               \
     X(SPEED, "speed", 0, SPEED, "SPEED", NULL, 0, 20000, NULL, COMMAND_FLY | COMMAND_BENCH,                            \

@@ -5,6 +5,11 @@
 #include <string.h>
 #include <strings.h>
 
+// International foot and pound, and the pound's weight at standard gravity (NIST SP 811, appendix B).
+#define FOOT 0.3048
+#define POUND 0.45359237
+#define POUND_FORCE (POUND * 9.80665)
+
 typedef struct Unit {
     QuantityKind kind;
     const char *name;
@@ -24,6 +29,25 @@ static const Unit units[] = {
     {QUANTITY_SPEED, "ft/s", 0.3048},
     {QUANTITY_ANGLE, "deg", 1.0},
     {QUANTITY_ANGLE, "rad", 57.29577951308232},
+    {QUANTITY_AREA, "m2", 1.0},
+    {QUANTITY_AREA, "ft2", FOOT *FOOT},
+    {QUANTITY_MASS, "kg", 1.0},
+    {QUANTITY_MASS, "lb", POUND},
+    {QUANTITY_INERTIA, "kg m2", 1.0},
+    {QUANTITY_INERTIA, "slug ft2", POUND_FORCE *FOOT},
+    {QUANTITY_FORCE, "N", 1.0},
+    {QUANTITY_FORCE, "kN", 1000.0},
+    {QUANTITY_FORCE, "lbf", POUND_FORCE},
+    {QUANTITY_TORQUE, "N m", 1.0},
+    {QUANTITY_TORQUE, "ft lbf", POUND_FORCE *FOOT},
+    {QUANTITY_RATE, "1/s", 1.0},
+    {QUANTITY_RATE, "rpm", 1.0 / 60.0},
+    {QUANTITY_TIME, "s", 1.0},
+    {QUANTITY_TIME, "min", 60.0},
+    {QUANTITY_STIFFNESS, "N/m", 1.0},
+    {QUANTITY_STIFFNESS, "lbf/ft", POUND_FORCE / FOOT},
+    {QUANTITY_DAMPING, "N s/m", 1.0},
+    {QUANTITY_DAMPING, "lbf s/ft", POUND_FORCE / FOOT},
     {QUANTITY_BYTES, "B", 1.0},
     {QUANTITY_BYTES, "K", 1024.0},
     {QUANTITY_BYTES, "KB", 1024.0},
@@ -43,6 +67,15 @@ const char *quantity_units(QuantityKind kind) {
         [QUANTITY_SPEED] = "m/s, km/h, kt, mph, ft/s",
         [QUANTITY_ANGLE] = "deg, rad",
         [QUANTITY_BYTES] = "B, K, M, G",
+        [QUANTITY_AREA] = "m2, ft2",
+        [QUANTITY_MASS] = "kg, lb",
+        [QUANTITY_INERTIA] = "kg m2, slug ft2",
+        [QUANTITY_FORCE] = "N, kN, lbf",
+        [QUANTITY_TORQUE] = "N m, ft lbf",
+        [QUANTITY_RATE] = "1/s, rpm",
+        [QUANTITY_TIME] = "s, min",
+        [QUANTITY_STIFFNESS] = "N/m, lbf/ft",
+        [QUANTITY_DAMPING] = "N s/m, lbf s/ft",
     };
     return names[kind];
 }

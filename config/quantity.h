@@ -1,5 +1,5 @@
 // config/quantity.h: numbers with units, as people type them.
-// Results in metres, metres a second, degrees, bytes.
+// Results in metres, metres a second, degrees, bytes, and otherwise SI units.
 // Pure functions; any thread.
 #pragma once
 #include "base/base.h"
@@ -10,6 +10,15 @@ typedef enum QuantityKind {
     QUANTITY_SPEED,  // m/s (or nothing), km/h, kt, mph, ft/s
     QUANTITY_ANGLE,  // deg (or nothing), rad
     QUANTITY_BYTES,  // B (or nothing), K, M, G, also KiB, KB ...: powers of 1024
+    QUANTITY_AREA,   // the SI unit (or nothing), and those of quantity_units
+    QUANTITY_MASS,
+    QUANTITY_INERTIA,
+    QUANTITY_FORCE,
+    QUANTITY_TORQUE,
+    QUANTITY_RATE, // revolutions a second
+    QUANTITY_TIME,
+    QUANTITY_STIFFNESS,
+    QUANTITY_DAMPING,
     QUANTITY_KIND_COUNT
 } QuantityKind;
 

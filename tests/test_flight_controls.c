@@ -234,12 +234,14 @@ static void a_demo_reaches_its_places_without_touching_the_ground(void **state) 
     Demo demo = {.clearance_m = 120.0, .count = 6};
     for (int i = 0; i < demo.count; i++)
         demo.waypoints[i] = (Waypoint){0.64 + 0.001 * sin(i * 1.7), -1.47 + 0.0013 * cos(i * 2.3), 500.0, 110.0};
-    FlightStart start = {0.64, -1.47, 1500.0, 0.0, 0.0, 110.0};
-    Flight flight = flight_create(&start, (FlightGround){hilly_ground, NULL});
+    Aircraft aircraft;
+    assert_int_equal(aircraft_load(AIRCRAFT_DEFAULT, &aircraft), RESULT_OK);
+    FlightStart start = {.lat_rad = 0.64, .lon_rad = -1.47, .h_m = 1500.0, .speed_m_s = 110.0};
+    Flight flight = flight_create(&aircraft, &start, (FlightGround){hilly_ground, NULL});
     double lowest = 1e9;
     int steps = 0;
     for (; !demo_is_over(&demo) && steps < 120 * 1200; steps++) {
-        Controls controls = demo_fly(&demo, &flight);
+        Controls controls = demo_fly(&demo, &flight, STEP);
         flight_step(&flight, &controls, STEP);
         lowest = fmin(lowest, flight_instruments(&flight).above_ground_m);
         assert_int_not_equal(flight.state.contact, FLIGHT_CRASHED);

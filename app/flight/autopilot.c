@@ -1,22 +1,189 @@
 #include "app/flight/autopilot.h"
 
-#include "app/flight/flight_forces.h"
+#include "app/aircraft/airframe.h"
+#include "app/aircraft/isa.h"
+#include "app/aircraft/propulsion.h"
+#include "app/aircraft/trim.h"
 #include "terrain/geodesy.h"
 
 #include <math.h>
 
-#define BANK_MAX 0.7   // rad
-#define CLIMB_MAX 0.28 // rad of path
-#define DESCENT_MAX 0.16
+#define GRAVITY TRIM_GRAVITY_0
+#define BANK_MAX 0.6       // rad
+#define WAYPOINT_BANK 0.75 // towards waypoints
+#define STALL_SHARE 0.8    // of the stall angle is as far as the laws go
+#define SPEED_LEAST 1.25   // times the stall speed, below which height is given for speed
+#define LOAD_LEAST 0.2     // g
+#define LOAD_MOST 2.5
 #define LOOK_AHEAD_S 14.0 // the ground is watched so far ahead
 #define LOOKS 8
 #define REACH_S 3.0 // a waypoint counts as reached within this time of flight
 #define REACH_MIN_M 250.0
 #define MISSED 1.4 // rad off the nose: so near, it would be circled for ever
 
+// Frequencies of the loops, 1/s; the inner ones below what short period and roll mode allow.
+#define HEIGHT_RATE 0.2
+#define PATH_RATE 0.8
+#define PITCH_RATE 2.5
+#define PITCH_INTEGRAL 2.0
+#define HEADING_RATE 0.25
+#define BANK_RATE 1.0
+#define ROLL_RATE 4.0
+#define SPEED_RATE 0.25
+#define SPEED_INTEGRAL 0.05
+
 static double clamp(double value, double least, double greatest) {
     return fmin(fmax(value, least), greatest);
 }
+
+static double angle_between(double wanted, double is) {
+    return remainder(wanted - is, 2.0 * GEODESY_PI);
+}
+
+// What the aircraft does now, and how much its controls do.
+typedef struct Now {
+    FlightInstruments at;
+    double speed;                           // true airspeed, at least 10 m/s
+    double p, q, r;                         // rad/s
+    double roll_each, pitch_each, yaw_each; // rad/s^2 of full controls
+    double roll_damping;                    // 1/s, < 0
+    double yaw_stiffness;                   // rad/s^2 for each radian of sideslip
+    double stall_speed, full_thrust, drag;  // of the flight as it is
+} Now;
+
+static Now look(const Flight *flight) {
+    const Aircraft *a = flight->aircraft;
+    Now now = {.at = flight_instruments(flight)};
+    Isa air = isa_at(now.at.h_m);
+    now.speed = fmax(now.at.true_airspeed, 10.0);
+    double flow = 0.5 * air.density * now.speed * a->area, pressure = flow * now.speed;
+    now.p = flight->state.rate_body.x;
+    now.q = flight->state.rate_body.y;
+    now.r = flight->state.rate_body.z;
+    now.roll_each = pressure * a->span * a->cr_aileron * a->aileron_rad / a->ixx;
+    now.pitch_each = pressure * a->chord * -a->cm_elevator * a->elevator_rad / a->iyy;
+    now.yaw_each = pressure * a->span * -a->cn_rudder * a->rudder_rad / a->izz;
+    now.roll_damping = 0.5 * flow * a->span * a->span * a->cr_p / a->ixx;
+    now.yaw_stiffness = pressure * a->span * a->cn_beta / a->izz;
+    now.stall_speed = airframe_stall_speed(a, air.density, flight->state.flaps);
+    double engine = propulsion_steady(a, &air, now.speed, 1.0);
+    now.full_thrust = propulsion_at(a, &air, now.speed, engine, 1.0).thrust_n;
+    double lift = a->mass * GRAVITY * fmax(now.at.load_factor, 0.0) / pressure;
+    now.drag = pressure * (a->cd_0 + a->induced * lift * lift + a->cd_flaps * flight->state.flaps +
+                           a->cd_gear * flight->state.gear);
+    return now;
+}
+
+static void engage(Autopilot *autopilot, const Flight *flight) {
+    if (autopilot->engaged)
+        return;
+    *autopilot = (Autopilot){.engaged = true, .elevator = flight->state.elevator, .throttle = 0.0};
+}
+
+// ---- inner loops ------------------------------------------------------------------------------------------------
+
+// Of a turn with this bank that holds its path.
+static double turn_load(const Now *now) {
+    double bank_cos = cos(now->at.bank_rad);
+    return cos(now->at.path_rad) / fmax(fabs(bank_cos), 0.4) * (bank_cos < 0.0 ? -1.0 : 1.0);
+}
+
+// Elevator for a rate of pitch, kept from the stall.
+static double hold_pitch_rate(Autopilot *autopilot, const Flight *flight, const Now *now, double wanted, double dt_s) {
+    const Aircraft *a = flight->aircraft;
+    double stall = a->stall_rad + flight->state.flaps * (a->stall_flaps_rad - a->stall_rad);
+    double most = 1.5 * (STALL_SHARE * stall - now->at.alpha_rad) + now->q - 0.0;
+    double off = fmin(wanted, fmax(most, -1.0)) - now->q;
+    double each = fmax(now->pitch_each, 1.0);
+    autopilot->elevator = clamp(autopilot->elevator + PITCH_RATE * PITCH_INTEGRAL * off / each * dt_s, -1.0, 1.0);
+    return clamp(autopilot->elevator + PITCH_RATE * off / each, -1.0, 1.0);
+}
+
+// Elevator for a path: its rate asks for load, load for a rate of pitch.
+static double hold_path(Autopilot *autopilot, const Flight *flight, const Now *now, double path_rad, double dt_s) {
+    double bank_cos = fmax(fabs(cos(now->at.bank_rad)), 0.4);
+    double load = turn_load(now) + now->speed * PATH_RATE * (path_rad - now->at.path_rad) / (GRAVITY * bank_cos);
+    load = clamp(load, LOAD_LEAST, LOAD_MOST);
+    double rate = GRAVITY / now->speed * (load - cos(now->at.bank_rad) * cos(now->at.pitch_rad));
+    return hold_pitch_rate(autopilot, flight, now, rate, dt_s);
+}
+
+static double hold_roll_rate(const Now *now, double wanted) {
+    double moment = -now->roll_damping * wanted + ROLL_RATE * (wanted - now->p);
+    return clamp(moment / fmax(now->roll_each, 0.1), -1.0, 1.0);
+}
+
+static double hold_bank(const Now *now, double bank_rad) {
+    return hold_roll_rate(now, clamp(BANK_RATE * angle_between(bank_rad, now->at.bank_rad), -0.7, 0.7));
+}
+
+// Against sideslip and against what the ailerons do, and a damper about the rate of the turn.
+static double hold_sideslip(const Flight *flight, const Now *now, double aileron, double wanted_rad) {
+    const Aircraft *a = flight->aircraft;
+    double turn = GRAVITY / now->speed * sin(now->at.bank_rad) * cos(now->at.pitch_rad);
+    double adverse = a->cn_aileron * a->aileron_rad / (a->cn_rudder * a->rudder_rad) * aileron;
+    double moment =
+        0.6 * now->yaw_stiffness * now->at.beta_rad - now->yaw_stiffness * wanted_rad + 0.7 * (turn - now->r);
+    return clamp(moment / fmax(now->yaw_each, 0.05) + adverse, -1.0, 1.0);
+}
+
+// ---- holds ------------------------------------------------------------------------------------------------------
+
+// As steep as the engine can, and less when slow: height is given for speed before the stall comes.
+static double steepest_path(const Flight *flight, const Now *now) {
+    double weight = flight->aircraft->mass * GRAVITY, least = SPEED_LEAST * now->stall_speed;
+    double spare = (now->full_thrust - now->drag) / weight;
+    return spare + 0.02 * (now->at.true_airspeed - least);
+}
+
+static double path_to_height(const Flight *flight, const Now *now, double height_m) {
+    double wanted = HEIGHT_RATE * (height_m - now->at.h_m) / now->speed;
+    return clamp(wanted, -0.2, fmin(fmax(steepest_path(flight, now), -0.1), 0.3));
+}
+
+// A glider's path: that of its drag, steeper when slow.
+static double path_to_speed(Autopilot *autopilot, const Flight *flight, const Now *now, double speed, double dt_s) {
+    double off = now->at.true_airspeed - fmax(speed, 1.15 * now->stall_speed);
+    double glide = -now->drag / (flight->aircraft->mass * GRAVITY);
+    autopilot->path_rad = clamp(autopilot->path_rad + 0.002 * off * dt_s, -0.1, 0.1);
+    return clamp(glide + autopilot->path_rad + 0.012 * off, -0.35, 0.2);
+}
+
+static double hold_speed(Autopilot *autopilot, const Flight *flight, const Now *now, double speed, double dt_s) {
+    if (flight->aircraft->engine == AIRCRAFT_GLIDER)
+        return 0.0;
+    double mass = flight->aircraft->mass, off = clamp(speed - now->at.true_airspeed, -20.0, 20.0);
+    double thrust = now->drag + mass * (GRAVITY * sin(now->at.path_rad) + SPEED_RATE * off);
+    double each = fmax(now->full_thrust, 0.02 * mass * GRAVITY);
+    double wanted = thrust / each + autopilot->throttle;
+    bool saturated = (wanted > 1.0 && off > 0.0) || (wanted < 0.0 && off < 0.0);
+    if (!saturated)
+        autopilot->throttle =
+            clamp(autopilot->throttle + SPEED_INTEGRAL * mass * SPEED_RATE * off / each * dt_s, -0.5, 0.5);
+    return clamp(wanted, 0.0, 1.0);
+}
+
+static double bank_to_heading(const Now *now, double heading_rad, double most) {
+    double rate = HEADING_RATE * angle_between(heading_rad, now->at.track_rad);
+    return clamp(atan(now->speed * rate / GRAVITY), -most, most);
+}
+
+Controls autopilot_hold(Autopilot *autopilot, const Flight *flight, const AutopilotWish *wish, double dt_s) {
+    engage(autopilot, flight);
+    Now now = look(flight);
+    Controls out = {.gear_up = flight->state.gear < 0.5, .flaps = flight->state.flaps};
+    double path = flight->aircraft->engine == AIRCRAFT_GLIDER
+                      ? path_to_speed(autopilot, flight, &now, wish->speed_m_s, dt_s)
+                      : path_to_height(flight, &now, wish->height_m);
+    double most = wish->bank_max_rad > 0.0 ? wish->bank_max_rad : BANK_MAX;
+    out.elevator = hold_path(autopilot, flight, &now, path, dt_s);
+    out.aileron = hold_bank(&now, bank_to_heading(&now, wish->heading_rad, most));
+    out.rudder = hold_sideslip(flight, &now, out.aileron, 0.0);
+    out.throttle = hold_speed(autopilot, flight, &now, wish->speed_m_s, dt_s);
+    return out;
+}
+
+// ---- waypoints --------------------------------------------------------------------------------------------------
 
 void autopilot_course(double lat_rad, double lon_rad, const Waypoint *to, double *distance_m, double *bearing_rad) {
     Geodetic from = {lat_rad, lon_rad, 0.0}, there = {to->lat_rad, to->lon_rad, 0.0};
@@ -25,10 +192,6 @@ void autopilot_course(double lat_rad, double lon_rad, const Waypoint *to, double
     double bearing = atan2(way.x, way.y);
     *distance_m = vec3d_length(way);
     *bearing_rad = bearing < 0.0 ? bearing + 2.0 * GEODESY_PI : bearing;
-}
-
-static double angle_between(double wanted, double is) {
-    return remainder(wanted - is, 2.0 * GEODESY_PI);
 }
 
 // The height to be at: the waypoint's, or what the ground ahead asks for.
@@ -45,38 +208,82 @@ static double wanted_height(const Flight *flight, const Waypoint *to, double cle
     return wanted;
 }
 
-static double steer_path(const FlightInstruments *now, double wanted_h_m) {
-    double speed = fmax(now->speed_m_s, 1.0);
-    double path = asin(clamp(now->vertical_speed_m_s / speed, -1.0, 1.0));
-    double wanted = clamp((wanted_h_m - now->h_m) / (3.5 * speed), -DESCENT_MAX, CLIMB_MAX);
-    return clamp(2.2 * (wanted - path), -0.8, 0.9);
-}
-
-static double steer_bank(const FlightInstruments *now, double bearing_rad) {
-    double bank = clamp(1.1 * angle_between(bearing_rad, now->heading_rad), -BANK_MAX, BANK_MAX);
-    return clamp(1.6 * angle_between(bank, now->bank_rad), -0.7, 0.7);
-}
-
-static double steer_throttle(const FlightInstruments *now, double wanted_speed) {
-    double climb = FLIGHT_GRAVITY * now->vertical_speed_m_s / fmax(now->speed_m_s, 1.0) / FLIGHT_THRUST;
-    double trim = flight_trim_throttle(wanted_speed, now->h_m);
-    return clamp(trim + climb + 0.06 * (wanted_speed - now->speed_m_s), 0.0, 1.0);
-}
-
-Controls autopilot_fly(const Flight *flight, const Waypoint *to, double clearance_m) {
-    FlightInstruments now = flight_instruments(flight);
-    double distance_m, bearing_rad;
-    autopilot_course(now.lat_rad, now.lon_rad, to, &distance_m, &bearing_rad);
-    return (Controls){.elevator = steer_path(&now, wanted_height(flight, to, clearance_m)),
-                      .aileron = steer_bank(&now, bearing_rad),
-                      .throttle = steer_throttle(&now, to->speed_m_s)};
+Controls autopilot_fly(Autopilot *autopilot, const Flight *flight, const Waypoint *to, double clearance_m,
+                       double dt_s) {
+    Geodetic place = geodesy_from_ecef(flight->state.position_ecef);
+    AutopilotWish wish = {.height_m = wanted_height(flight, to, clearance_m),
+                          .speed_m_s = fmin(to->speed_m_s, 0.9 * flight->aircraft->never_exceed_speed),
+                          .bank_max_rad = WAYPOINT_BANK};
+    double distance_m;
+    autopilot_course(place.lat_rad, place.lon_rad, to, &distance_m, &wish.heading_rad);
+    return autopilot_hold(autopilot, flight, &wish, dt_s);
 }
 
 bool autopilot_has_reached(const Flight *flight, const Waypoint *to) {
     FlightInstruments now = flight_instruments(flight);
     double distance_m, bearing_rad;
     autopilot_course(now.lat_rad, now.lon_rad, to, &distance_m, &bearing_rad);
-    double turn_radius_m = now.speed_m_s * now.speed_m_s / (FLIGHT_GRAVITY * tan(BANK_MAX));
-    bool missed = distance_m < 2.5 * turn_radius_m && fabs(angle_between(bearing_rad, now.heading_rad)) > MISSED;
+    double turn_radius_m = now.speed_m_s * now.speed_m_s / (GRAVITY * tan(WAYPOINT_BANK));
+    bool missed = distance_m < 2.5 * turn_radius_m && fabs(angle_between(bearing_rad, now.track_rad)) > MISSED;
     return missed || distance_m < fmax(REACH_S * now.speed_m_s, REACH_MIN_M);
+}
+
+// ---- help for keys ----------------------------------------------------------------------------------------------
+
+#define ASSIST_PITCH_MOST 0.6 // rad/s at full stick, and no more load than
+#define ASSIST_LOAD 3.0       // g above that of the turn
+#define ASSIST_ROLL_SHARE 0.8 // of what full ailerons reach
+#define ASSIST_ROLL_MOST 1.5  // rad/s
+#define ASSIST_SIDESLIP 0.17  // rad at full rudder
+#define ASSIST_LEVEL 0.09     // rad of bank that go back to level
+#define ASSIST_STEEP 1.2      // rad of path beyond which nothing is held
+#define STICK_FREE 1e-3
+
+static double assist_pitch(Autopilot *autopilot, const Flight *flight, const Now *now, double stick, double dt_s) {
+    if (fabs(stick) > STICK_FREE || fabs(now->at.path_rad) > ASSIST_STEEP) {
+        double most = fmin(ASSIST_PITCH_MOST, ASSIST_LOAD * GRAVITY / now->speed);
+        double turn = GRAVITY / now->speed * (turn_load(now) - cos(now->at.bank_rad) * cos(now->at.pitch_rad));
+        bool steep = fabs(now->at.path_rad) > 0.8 || fabs(now->at.bank_rad) > 1.3;
+        autopilot->holds_path = false;
+        return hold_pitch_rate(autopilot, flight, now, stick * most + (steep ? 0.0 : turn), dt_s);
+    }
+    if (!autopilot->holds_path) {
+        autopilot->holds_path = true;
+        autopilot->held_path_rad = now->at.path_rad;
+    }
+    double most = flight->aircraft->engine == AIRCRAFT_GLIDER || now->at.true_airspeed < SPEED_LEAST * now->stall_speed
+                      ? steepest_path(flight, now)
+                      : INFINITY;
+    return hold_path(autopilot, flight, now, fmin(autopilot->held_path_rad, most), dt_s);
+}
+
+static double assist_roll(Autopilot *autopilot, const Now *now, double stick) {
+    double reach = fmin(ASSIST_ROLL_SHARE * now->roll_each / fmax(-now->roll_damping, 0.1), ASSIST_ROLL_MOST);
+    if (fabs(stick) > STICK_FREE) {
+        autopilot->holds_bank = false;
+        return hold_roll_rate(now, stick * reach);
+    }
+    if (!autopilot->holds_bank && fabs(now->p) > 0.15)
+        return hold_roll_rate(now, 0.0);
+    if (!autopilot->holds_bank) {
+        autopilot->holds_bank = true;
+        autopilot->held_bank_rad = fabs(now->at.bank_rad) < ASSIST_LEVEL ? 0.0 : now->at.bank_rad;
+    }
+    return hold_bank(now, autopilot->held_bank_rad);
+}
+
+Controls autopilot_assist(Autopilot *autopilot, const Flight *flight, const Controls *pilot, double dt_s) {
+    Controls out = *pilot;
+    Now now = look(flight);
+    bool stalled = airframe_stalled(flight->aircraft, now.at.alpha_rad, flight->state.flaps) > 0.5;
+    if (flight->state.contact != FLIGHT_AIRBORNE || now.at.true_airspeed < 0.5 * now.stall_speed || stalled) {
+        *autopilot = (Autopilot){.engaged = false};
+        return out;
+    }
+    engage(autopilot, flight);
+    out.trim = 0.0;
+    out.elevator = assist_pitch(autopilot, flight, &now, pilot->elevator, dt_s);
+    out.aileron = assist_roll(autopilot, &now, pilot->aileron);
+    out.rudder = hold_sideslip(flight, &now, out.aileron, -ASSIST_SIDESLIP * pilot->rudder);
+    return out;
 }

@@ -29,7 +29,7 @@ static bool parse_place(const char *text, const Geoid *geoid, Waypoint *out) {
 static bool parse_to(const char *place, const char *speed, const Geoid *geoid, Demo *demo) {
     Waypoint waypoint;
     if (!place || !speed || !parse_place(place, geoid, &waypoint) ||
-        quantity_parse(QUANTITY_SPEED, speed, &waypoint.speed_m_s) != RESULT_OK || waypoint.speed_m_s < 40.0 ||
+        quantity_parse(QUANTITY_SPEED, speed, &waypoint.speed_m_s) != RESULT_OK || waypoint.speed_m_s < 15.0 ||
         waypoint.speed_m_s > 1000.0 || demo->count == DEMO_WAYPOINTS_MAX)
         return false;
     demo->waypoints[demo->count++] = waypoint;
@@ -63,7 +63,7 @@ static Result read_lines(FILE *stream, const char *path, const Geoid *geoid, Dem
         if (whole && parse_line(line, geoid, demo))
             continue;
         log_error(
-            "%s:%d: expected 'to LAT,LON,ALT SPEED' (at most %d times; 40 to 1000 m/s), 'clearance LENGTH' (10 to "
+            "%s:%d: expected 'to LAT,LON,ALT SPEED' (at most %d times; 15 to 1000 m/s), 'clearance LENGTH' (10 to "
             "10000 m), or a comment after '#'",
             path, number, DEMO_WAYPOINTS_MAX);
         return RESULT_FORMAT;
@@ -105,11 +105,11 @@ void demo_make_round(const Viewpoint *view, const Geoid *geoid, double distance_
     }
 }
 
-Controls demo_fly(Demo *demo, const Flight *flight) {
+Controls demo_fly(Demo *demo, const Flight *flight, double dt_s) {
     if (!demo_is_over(demo) && autopilot_has_reached(flight, &demo->waypoints[demo->next]))
         demo->next++;
     int next = demo->next < demo->count ? demo->next : demo->count - 1;
-    return autopilot_fly(flight, &demo->waypoints[next], demo->clearance_m);
+    return autopilot_fly(&demo->autopilot, flight, &demo->waypoints[next], demo->clearance_m, dt_s);
 }
 
 bool demo_is_over(const Demo *demo) {

@@ -13,6 +13,7 @@ typedef struct Demo {
     int count;          // >= 1
     double clearance_m; // above the ground ahead, at least
     int next;           // the waypoint flown to; count: the demo is over
+    Autopilot autopilot;
 } Demo;
 
 // A text file of lines
@@ -24,8 +25,8 @@ MUST_USE Result demo_read(const char *path, const Geoid *geoid, Demo *out);
 // A round about what the viewpoint looks at, for terrains without a demo of their own.
 void demo_make_round(const Viewpoint *view, const Geoid *geoid, double distance_m, Demo *out);
 
-// The controls for this moment; goes on to the next waypoint when one is reached.
-Controls demo_fly(Demo *demo, const Flight *flight);
+// The controls for the step of `dt_s` to come; goes on to the next waypoint when one is reached.
+Controls demo_fly(Demo *demo, const Flight *flight, double dt_s);
 bool demo_is_over(const Demo *demo);
 // About how long the whole demo takes from a place.
 double demo_duration_s(const Demo *demo, double lat_rad, double lon_rad);

@@ -1,23 +1,14 @@
 #include "app/flight/flight_contact.h"
 
-#include "app/flight/flight_forces.h"
 #include "terrain/geodesy.h"
 
 #include <math.h>
 
 #define SWEEP_M 30.0 // ground is looked at so often along the way
 #define SWEEP_MAX 8
-#define SLOPE_REACH_M 12.0
+#define REACH_M 0.5       // between the heights that make a plane
 #define FLOOR_M (-1500.0) // below every land: where there is no terrain, the flight ends here
-#define LANDING_SINK 3.5  // m/s against the ground, at most
-#define LANDING_SPEED 85.0
-#define LANDING_BANK 0.35
-#define LANDING_NOSE_UP 0.35
-#define LANDING_NOSE_DOWN 0.12
-#define ROLL_FRICTION 0.25 // m/s^2
-#define BRAKES 2.5         // m/s^2 with the throttle closed
-#define SETTLE_S 0.15      // the wheels take the slope's attitude
-#define STEER_RATE 0.5     // rad/s at full rudder
+#define GEAR_DOWN 0.99    // of the gear's way; before, nothing bears
 
 static bool ground_height(const FlightGround *ground, Geodetic place, double *h_m) {
     return ground->height && ground->height(ground->user, place.lat_rad, place.lon_rad, h_m);
@@ -32,46 +23,87 @@ bool flight_ground_below(const FlightGround *ground, Vec3d position, double *abo
     return true;
 }
 
-// How deep the wheels are in the ground; negative above it.
-static double wheel_depth(const FlightGround *ground, Vec3d position) {
-    double above_m;
-    if (flight_ground_below(ground, position, &above_m))
-        return FLIGHT_GEAR_M - above_m;
-    return FLOOR_M - geodesy_from_ecef(position).h_m;
+static bool ground_height_at(const FlightGround *ground, Vec3d position, double *h_m) {
+    return ground_height(ground, geodesy_from_ecef(position), h_m);
 }
 
-static bool find_contact(const FlightGround *ground, Vec3d from, Vec3d to, Vec3d *where, double *depth_m) {
-    Vec3d way = vec3d_sub(to, from);
+bool flight_ground_plane(const FlightGround *ground, Vec3d position, Vec3d *point, Vec3d *normal) {
+    Geodetic place = geodesy_from_ecef(position);
+    double here, north, east;
+    if (!ground_height(ground, place, &here))
+        return false;
+    Mat3d enu = geodesy_enu_from_ecef(place.lat_rad, place.lon_rad);
+    Vec3d e = {enu.m[0][0], enu.m[0][1], enu.m[0][2]}, n = {enu.m[1][0], enu.m[1][1], enu.m[1][2]};
+    Vec3d up = {enu.m[2][0], enu.m[2][1], enu.m[2][2]};
+    if (!ground_height_at(ground, vec3d_mad(position, n, REACH_M), &north))
+        north = here;
+    if (!ground_height_at(ground, vec3d_mad(position, e, REACH_M), &east))
+        east = here;
+    *point = vec3d_mad(position, up, here - place.h_m);
+    *normal = vec3d_normalize(vec3d_mad(vec3d_mad(up, n, (here - north) / REACH_M), e, (here - east) / REACH_M));
+    return true;
+}
+
+static Vec3d place_of(const FlightState *state, Vec3d body) {
+    return vec3d_add(state->position_ecef, quatd_rotate(state->ecef_from_body, body));
+}
+
+// How far the aircraft's farthest part is from its centre of gravity.
+static double radius_of(const Aircraft *a) {
+    double farthest = fmax(fmax(vec3d_length(a->nose), vec3d_length(a->tail)), vec3d_length(a->tip));
+    for (int i = 0; i < a->leg_count; i++)
+        farthest = fmax(farthest, vec3d_length((Vec3d){a->legs[i].x, a->legs[i].y, a->legs[i].z}));
+    return fmax(farthest, vec3d_length(a->belly));
+}
+
+FlightStepSetting flight_look_at_ground(const Flight *flight, const Controls *controls) {
+    const FlightState *state = &flight->state;
+    FlightStepSetting setting = flight_setting(state);
+    setting.brake_left = controls->brake_left;
+    setting.brake_right = controls->brake_right;
+    double h_m, reach_m = radius_of(flight->aircraft) + vec3d_length(state->velocity_ecef) * FLIGHT_STEP_S;
+    if (!ground_height(&flight->ground, flight_place(&setting, state->position_ecef), &h_m))
+        return setting;
+    setting.ground_h_m = h_m;
+    if (setting.origin_h_m - h_m > 2.0 * reach_m || state->gear < GEAR_DOWN)
+        return setting;
+    setting.plane_count = flight->aircraft->leg_count;
+    for (int i = 0; i < setting.plane_count; i++) {
+        const AircraftLeg *leg = &flight->aircraft->legs[i];
+        setting.planes[i].there = flight_ground_plane(&flight->ground, place_of(state, (Vec3d){leg->x, leg->y, leg->z}),
+                                                      &setting.planes[i].point_ecef, &setting.planes[i].normal_ecef);
+    }
+    return setting;
+}
+
+// Height above the ground, or above the floor of the world where there is none.
+static double height_of(const FlightGround *ground, const FlightStepSetting *setting, Vec3d position) {
+    Geodetic place = flight_place(setting, position);
+    double h_m;
+    return place.h_m - (ground_height(ground, place, &h_m) ? h_m : FLOOR_M);
+}
+
+// Where the centre of gravity came into the ground, if it did; else how high it is at the end.
+static bool find_contact(const FlightGround *ground, const FlightStepSetting *setting, Vec3d to, Vec3d *where,
+                         double *above_m) {
+    Vec3d from = setting->origin_ecef, way = vec3d_sub(to, from);
     int count = (int)fmin(ceil(vec3d_length(way) / SWEEP_M), SWEEP_MAX);
     for (int i = 1; i <= count || i == 1; i++) {
         *where = i >= count ? to : vec3d_mad(from, way, (double)i / count);
-        *depth_m = wheel_depth(ground, *where);
-        if (*depth_m > 0.0)
+        *above_m = height_of(ground, setting, *where);
+        if (*above_m <= 0.0)
             return true;
     }
     return false;
 }
 
-static double slope_along(const FlightGround *ground, Vec3d position, Vec3d direction) {
-    double before, behind;
-    bool known = flight_ground_below(ground, vec3d_mad(position, direction, SLOPE_REACH_M), &before) &&
-                 flight_ground_below(ground, vec3d_mad(position, direction, -SLOPE_REACH_M), &behind);
-    return known ? (behind - before) / (2.0 * SLOPE_REACH_M) : 0.0;
-}
-
-static Vec3d ground_normal(const FlightGround *ground, Vec3d position, const Mat3d *enu) {
-    Vec3d east = {enu->m[0][0], enu->m[0][1], enu->m[0][2]}, north = {enu->m[1][0], enu->m[1][1], enu->m[1][2]};
-    Vec3d local = {-slope_along(ground, position, east), -slope_along(ground, position, north), 1.0};
-    return vec3d_normalize(mat3d_mul_vec_transposed(enu, local));
-}
-
-static bool is_gentle(const FlightState *state, Vec3d normal) {
-    Quatd body_from_ecef = quatd_conjugate(state->ecef_from_body);
-    Vec3d up = quatd_rotate(body_from_ecef, normal);
-    double bank = atan2(-up.y, -up.z), nose = asin(fmin(fmax(up.x, -1.0), 1.0));
-    double bank_limit = state->contact == FLIGHT_ROLLING ? 2.0 * LANDING_BANK : LANDING_BANK;
-    return -vec3d_dot(state->velocity_ecef, normal) < LANDING_SINK && fabs(bank) < bank_limit &&
-           nose < LANDING_NOSE_UP && nose > -LANDING_NOSE_DOWN && vec3d_length(state->velocity_ecef) < LANDING_SPEED;
+static bool hull_touches(const Flight *flight, const FlightStepSetting *setting) {
+    const Aircraft *a = flight->aircraft;
+    const Vec3d parts[] = {a->nose, a->tail, a->tip, {a->tip.x, -a->tip.y, a->tip.z}, a->belly};
+    for (size_t i = 0; i < COUNT_OF(parts); i++)
+        if (height_of(&flight->ground, setting, place_of(&flight->state, parts[i])) < 0.0)
+            return true;
+    return false;
 }
 
 static void crash(FlightState *state, Vec3d where) {
@@ -79,63 +111,21 @@ static void crash(FlightState *state, Vec3d where) {
     state->velocity_ecef = state->rate_body = vec3d(0.0, 0.0, 0.0);
     state->contact = FLIGHT_CRASHED;
     state->crashed_s = 0.0;
-    state->throttle = 0.0;
+    state->throttle = state->engine = 0.0;
+    state->wheels = 0;
 }
 
-// Turns the body so that its roof comes towards the normal; the nose may stay above the slope.
-static void settle_attitude(FlightState *state, Vec3d normal, double dt_s) {
-    Vec3d up = quatd_rotate(quatd_conjugate(state->ecef_from_body), normal);
-    double bank = atan2(-up.y, -up.z), nose = asin(fmin(fmax(up.x, -1.0), 1.0));
-    double share = 1.0 - exp(-dt_s / SETTLE_S);
-    Quatd level = quatd_from_axis_angle(vec3d(1.0, 0.0, 0.0), -bank * share);
-    Quatd lift = quatd_from_axis_angle(vec3d(0.0, 1.0, 0.0), nose < 0.0 ? -nose * share : 0.0);
-    state->ecef_from_body = quatd_normalize(quatd_mul(quatd_mul(state->ecef_from_body, lift), level));
-    state->rate_body.x *= 1.0 - share;
-}
-
-static Vec3d slowed(Vec3d velocity, double by) {
-    double speed = vec3d_length(velocity);
-    return speed > by ? vec3d_scale(velocity, 1.0 - by / speed) : vec3d(0.0, 0.0, 0.0);
-}
-
-// Wheels roll ahead and not sideways, and steer with the rudder.
-static void roll_on(FlightState *state, Vec3d normal, const Controls *controls, double dt_s) {
-    Vec3d v = vec3d_mad(state->velocity_ecef, normal, -fmin(vec3d_dot(state->velocity_ecef, normal), 0.0));
-    Vec3d wing = quatd_rotate(state->ecef_from_body, vec3d(0.0, 1.0, 0.0));
-    v = vec3d_mad(v, wing, -vec3d_dot(v, wing) * (1.0 - exp(-dt_s / SETTLE_S)));
-    v = slowed(v, (controls->throttle < 0.02 ? BRAKES : ROLL_FRICTION) * dt_s);
-    state->velocity_ecef = v;
-    double steer = STEER_RATE * controls->rudder * fmin(vec3d_length(v) / 10.0, 1.0) * dt_s;
-    Quatd turn = quatd_from_axis_angle(normal, -steer);
-    state->ecef_from_body = quatd_normalize(quatd_mul(turn, state->ecef_from_body));
-}
-
-// Lifting the aircraft out of the ground costs what the height is worth.
-static void raise_out(FlightState *state, Vec3d up, double depth_m) {
-    double v2 = vec3d_dot(state->velocity_ecef, state->velocity_ecef), worth = 2.0 * FLIGHT_GRAVITY * depth_m;
-    state->position_ecef = vec3d_mad(state->position_ecef, up, depth_m);
-    state->velocity_ecef = vec3d_scale(state->velocity_ecef, v2 > worth ? sqrt(1.0 - worth / v2) : 0.0);
-}
-
-void flight_touch_ground(Flight *flight, Vec3d from, const Controls *controls, double dt_s) {
+void flight_touch_ground(Flight *flight, const FlightStepSetting *setting, uint8_t wheels, double sink_m_s) {
     FlightState *state = &flight->state;
     Vec3d where;
-    double depth_m;
-    if (!find_contact(&flight->ground, from, state->position_ecef, &where, &depth_m)) {
-        state->contact = FLIGHT_AIRBORNE;
-        return;
-    }
-    Geodetic place = geodesy_from_ecef(where);
-    Mat3d enu = geodesy_enu_from_ecef(place.lat_rad, place.lon_rad);
-    Vec3d up = {enu.m[2][0], enu.m[2][1], enu.m[2][2]};
-    Vec3d normal = ground_normal(&flight->ground, where, &enu);
     double above_m;
-    if (!flight_ground_below(&flight->ground, where, &above_m) || !is_gentle(state, normal)) {
+    state->wheels = wheels;
+    state->contact = wheels ? FLIGHT_ROLLING : FLIGHT_AIRBORNE;
+    if (find_contact(&flight->ground, setting, state->position_ecef, &where, &above_m)) {
         crash(state, where);
         return;
     }
-    state->contact = FLIGHT_ROLLING;
-    raise_out(state, up, depth_m);
-    roll_on(state, normal, controls, dt_s);
-    settle_attitude(state, normal, dt_s);
+    bool near = above_m < radius_of(flight->aircraft);
+    if (sink_m_s > flight->aircraft->sink_limit || (near && hull_touches(flight, setting)))
+        crash(state, state->position_ecef);
 }

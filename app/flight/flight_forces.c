@@ -1,139 +1,154 @@
 #include "app/flight/flight_forces.h"
 
-#include "terrain/geodesy.h"
+#include "app/aircraft/airframe.h"
+#include "app/aircraft/isa.h"
+#include "app/aircraft/propulsion.h"
+#include "app/aircraft/trim.h"
 
 #include <math.h>
 
-#define SPEED_MIN 1.0       // below, directions of flight mean nothing
-#define TURN_SPEED_MIN 20.0 // below, the nose no longer follows the path's turning
-#define ROLL_RATE 1.7       // rad/s at full aileron
-#define LOAD_STICK 3.0      // g at full stick
-#define SIDESLIP_MAX 0.17   // rad at full rudder
-#define SIDE_FORCE 0.6      // per radian of sideslip
-#define NOSE_STIFFNESS 3.0  // 1/s: how fast the nose closes in on the wanted angles
-#define RATE_LAG_S 0.12     // rates follow what is commanded with this lag
-#define RATE_MAX 3.0        // rad/s commanded
-#define LEVEL_BANK_COS 0.45 // up to some 63 degrees of bank a turn is held level
-#define DRAG_RATE_MAX 60.0  // 1/s: keeps the explicit step stable at speeds no aircraft survives
+#define ALPHA_DOT_SPEED 10.0 // m/s: well below, the change of the angle of attack means nothing
 
-static double clamp(double value, double least, double greatest) {
-    return fmin(fmax(value, least), greatest);
+// Where the aircraft is and what surrounds it.
+typedef struct Place {
+    double h_m;
+    Vec3d gravity_body;
+    Vec3d air_body; // velocity against the air
+    Isa air;
+} Place;
+
+FlightStepSetting flight_setting(const FlightState *state) {
+    Geodetic at = geodesy_from_ecef(state->position_ecef);
+    Mat3d enu = geodesy_enu_from_ecef(at.lat_rad, at.lon_rad);
+    double sin_lat = enu.m[2][2], w2 = 1.0 - GEODESY_E2 * sin_lat * sin_lat, normal_m = GEODESY_A_M / sqrt(w2);
+    return (FlightStepSetting){.origin_ecef = state->position_ecef,
+                               .origin_h_m = at.h_m,
+                               .east = {enu.m[0][0], enu.m[0][1], enu.m[0][2]},
+                               .north = {enu.m[1][0], enu.m[1][1], enu.m[1][2]},
+                               .up = {enu.m[2][0], enu.m[2][1], enu.m[2][2]},
+                               .east_curve = 1.0 / (normal_m + at.h_m),
+                               .north_curve = 1.0 / (normal_m * (1.0 - GEODESY_E2) / w2 + at.h_m),
+                               .ground_h_m = -INFINITY};
 }
 
-double flight_density(double h_m) {
-    return exp(-clamp(h_m, -2000.0, 90000.0) / 9000.0);
+static double height_and_up(const FlightStepSetting *at, Vec3d position, Vec3d *up) {
+    Vec3d way = vec3d_sub(position, at->origin_ecef);
+    double e = vec3d_dot(way, at->east), n = vec3d_dot(way, at->north);
+    *up = vec3d_normalize(vec3d_mad(vec3d_mad(at->up, at->east, e * at->east_curve), at->north, n * at->north_curve));
+    return at->origin_h_m + vec3d_dot(way, at->up) + 0.5 * (e * e * at->east_curve + n * n * at->north_curve);
 }
 
-double flight_gravity(double h_m) {
-    double ratio = GEODESY_A_M / (GEODESY_A_M + fmax(h_m, -20000.0));
-    return FLIGHT_GRAVITY * ratio * ratio;
+Geodetic flight_place(const FlightStepSetting *setting, Vec3d position) {
+    Vec3d up;
+    double h_m = height_and_up(setting, position, &up);
+    return (Geodetic){asin(fmin(fmax(up.z, -1.0), 1.0)), atan2(up.y, up.x), h_m};
 }
 
-double flight_thrust(double throttle, double h_m) {
-    return throttle * FLIGHT_THRUST * pow(flight_density(h_m), 0.7);
-}
-
-// Beyond the stall the lift of a flat plate, sin 2a, scaled to 0.9.
-double flight_lift_coefficient(double alpha_rad) {
-    double linear = FLIGHT_LIFT_SLOPE * alpha_rad, plate = 0.9 * sin(2.0 * alpha_rad);
-    double beyond = clamp((fabs(alpha_rad) - FLIGHT_STALL_RAD) / 0.12, 0.0, 1.0);
-    double blend = beyond * beyond * (3.0 - 2.0 * beyond);
-    return linear * (1.0 - blend) + plate * blend;
-}
-
-double flight_drag_coefficient(double alpha_rad) {
-    double lift = flight_lift_coefficient(alpha_rad), s = sin(alpha_rad);
-    return FLIGHT_DRAG_ZERO + FLIGHT_DRAG_LIFT * fmin(lift * lift, 2.0) + 1.2 * s * s * fabs(s);
-}
-
-void flight_air_angles(Vec3d v, double *alpha_rad, double *beta_rad) {
-    double speed = vec3d_length(v);
-    *alpha_rad = speed > SPEED_MIN ? atan2(v.z, v.x) : 0.0;
-    *beta_rad = speed > SPEED_MIN ? asin(clamp(v.y / speed, -1.0, 1.0)) : 0.0;
-}
-
-// What the forces depend on; vectors in body axes.
-typedef struct Air {
-    double speed, pressure; // pressure: FLIGHT_LIFT density V^2
-    double alpha, beta;     // radians
-    double effect;          // 0..1, of the control surfaces
-    double gravity, thrust; // m/s^2
-    Vec3d path, up, lift;   // unit: direction of flight, local vertical, of positive lift
-} Air;
-
-static Air look_at_air(const FlightState *state) {
-    Geodetic place = geodesy_from_ecef(state->position_ecef);
+static Place look_around(const Flight *flight, const FlightState *state, const FlightStepSetting *setting) {
+    Vec3d up;
+    Place place = {.h_m = height_and_up(setting, state->position_ecef, &up)};
     Quatd body_from_ecef = quatd_conjugate(state->ecef_from_body);
-    Vec3d velocity = quatd_rotate(body_from_ecef, state->velocity_ecef);
-    double speed = vec3d_length(velocity);
-    Air air = {.speed = speed, .gravity = flight_gravity(place.h_m)};
-    air.up = quatd_rotate(body_from_ecef, geodesy_up(place.lat_rad, place.lon_rad));
-    air.thrust = flight_thrust(state->throttle, place.h_m);
-    air.pressure = FLIGHT_LIFT * flight_density(place.h_m) * speed * speed;
-    air.effect = speed * speed / (speed * speed + FLIGHT_CONTROL_V * FLIGHT_CONTROL_V);
-    flight_air_angles(velocity, &air.alpha, &air.beta);
-    air.path = speed > SPEED_MIN ? vec3d_scale(velocity, 1.0 / speed) : vec3d(1.0, 0.0, 0.0);
-    air.lift = vec3d(sin(air.alpha), 0.0, -cos(air.alpha));
-    return air;
+    place.gravity_body = quatd_rotate(body_from_ecef, vec3d_scale(up, -trim_gravity(place.h_m)));
+    place.air_body = quatd_rotate(body_from_ecef, vec3d_sub(state->velocity_ecef, flight->wind_ecef));
+    place.air = isa_at(place.h_m);
+    return place;
 }
 
-// Lift across the path that keeps its climb angle, banked or not; past LEVEL_BANK_COS it fades, and changes its sign
-// in inverted flight. The Earth curves away under fast flight, which then needs less.
-static double path_lift(const Air *air) {
-    Vec3d across = vec3d_mad(air->up, air->path, -vec3d_dot(air->up, air->path));
-    double path_cos = vec3d_length(across);
-    if (path_cos < 1e-6)
-        return 0.0;
-    double bank_cos = vec3d_dot(air->lift, across) / path_cos;
-    double level_speed = air->speed * path_cos;
-    double weight = (air->gravity - level_speed * level_speed / GEODESY_A_M) * path_cos;
-    return weight * bank_cos / fmax(bank_cos * bank_cos, LEVEL_BANK_COS * LEVEL_BANK_COS);
+static AirframeLoad air_load(const Flight *flight, const FlightState *state, const FlightStepSetting *setting,
+                             const Place *place) {
+    const Aircraft *a = flight->aircraft;
+    double wing_m = a->wing_z * vec3d_dot(place->gravity_body, vec3d(0.0, 0.0, -1.0)) / trim_gravity(0.0);
+    AirframeFlow flow = {.air_body = place->air_body,
+                         .rate_body = state->rate_body,
+                         .density = place->air.density,
+                         .elevator = state->elevator,
+                         .aileron = state->aileron,
+                         .rudder = state->rudder,
+                         .flaps = state->flaps,
+                         .gear = state->gear,
+                         .wing_above_m = place->h_m - setting->ground_h_m + wing_m};
+    return airframe_load(a, &flow);
 }
 
-// The angle of attack that the pilot's stick and the path ask for.
-static double wanted_alpha(const Air *air, const Controls *controls) {
-    double lift = path_lift(air) + controls->elevator * LOAD_STICK * FLIGHT_GRAVITY;
-    lift = clamp(lift, -0.5 * FLIGHT_LOAD_MAX * FLIGHT_GRAVITY, FLIGHT_LOAD_MAX * FLIGHT_GRAVITY);
-    double across = lift - air->thrust * sin(air->alpha);
-    double alpha = across / (FLIGHT_LIFT_SLOPE * fmax(air->pressure, 1e-3));
-    return clamp(alpha, -0.95 * FLIGHT_STALL_RAD, 0.95 * FLIGHT_STALL_RAD);
+GearPlane flight_gear_plane(const FlightState *state, const FlightStepSetting *setting, int leg) {
+    if (leg >= setting->plane_count || !setting->planes[leg].there)
+        return (GearPlane){.there = false};
+    Quatd body_from_ecef = quatd_conjugate(state->ecef_from_body);
+    Vec3d from = vec3d_sub(setting->planes[leg].point_ecef, state->position_ecef);
+    return (GearPlane){true, quatd_rotate(body_from_ecef, from),
+                       quatd_rotate(body_from_ecef, setting->planes[leg].normal_ecef)};
 }
 
-static Vec3d acceleration_body(const Air *air) {
-    double limit = FLIGHT_LOAD_MAX * FLIGHT_GRAVITY;
-    double lift = clamp(air->pressure * flight_lift_coefficient(air->alpha), -0.5 * limit, limit);
-    double drag = fmin(air->pressure * flight_drag_coefficient(air->alpha), DRAG_RATE_MAX * air->speed);
-    double side = clamp(-SIDE_FORCE * air->pressure * air->beta, -0.5 * limit, 0.5 * limit);
-    Vec3d sum = vec3d(air->thrust, side * cos(air->beta), 0.0);
-    sum = vec3d_mad(sum, air->lift, lift);
-    sum = vec3d_mad(sum, air->path, -drag);
-    return vec3d_mad(sum, air->up, -air->gravity);
+// Adds the wheels' forces and moments.
+static void add_gear(const Flight *flight, const FlightState *state, const FlightStepSetting *setting, Vec3d *force,
+                     Vec3d *moment, FlightMotion *out) {
+    if (setting->plane_count == 0)
+        return;
+    GearMotion motion = {quatd_rotate(quatd_conjugate(state->ecef_from_body), state->velocity_ecef), state->rate_body,
+                         state->rudder, setting->brake_left, setting->brake_right};
+    for (int i = 0; i < setting->plane_count; i++) {
+        GearPlane plane = flight_gear_plane(state, setting, i);
+        GearLoad load = gear_load(&flight->aircraft->legs[i], &plane, &motion);
+        if (!load.touches)
+            continue;
+        *force = vec3d_add(*force, load.force);
+        *moment = vec3d_add(*moment, load.moment);
+        out->wheels = (uint8_t)(out->wheels | 1u << i);
+        out->sink_m_s = fmax(out->sink_m_s, load.sink_m_s);
+    }
 }
 
-// The nose turns with the path, and towards the wanted angles against the air.
-static Vec3d wanted_rate(const Air *air, Vec3d acceleration, const Controls *controls) {
-    double v2 = fmax(air->speed * air->speed, TURN_SPEED_MIN * TURN_SPEED_MIN);
-    Vec3d turn = vec3d_scale(vec3d_cross(vec3d_scale(air->path, air->speed), acceleration), 1.0 / v2);
-    double stiffness = NOSE_STIFFNESS * air->effect;
-    double sideslip = -SIDESLIP_MAX * controls->rudder;
-    Vec3d rate = {turn.x + ROLL_RATE * air->effect * controls->aileron,
-                  turn.y + stiffness * (wanted_alpha(air, controls) - air->alpha),
-                  turn.z + stiffness * (air->beta - sideslip)};
-    return vec3d(clamp(rate.x, -RATE_MAX, RATE_MAX), clamp(rate.y, -RATE_MAX, RATE_MAX),
-                 clamp(rate.z, -RATE_MAX, RATE_MAX));
+// The change of the angle of attack, where it brings forth forces that change it: a (1 - k b) = a0.
+static double alpha_dot(const Place *place, Vec3d acceleration, Vec3d force_each, double mass) {
+    Vec3d v = place->air_body;
+    double s2 = v.x * v.x + v.z * v.z, v0 = ALPHA_DOT_SPEED * ALPHA_DOT_SPEED;
+    double k = s2 / (s2 * s2 + v0 * v0);
+    double first = k * (acceleration.z * v.x - acceleration.x * v.z);
+    double feedback = k * (force_each.z * v.x - force_each.x * v.z) / mass;
+    return first / (1.0 - feedback);
 }
 
-static Quatd attitude_change(const FlightState *state) {
-    Vec3d half = vec3d_scale(state->rate_body, 0.5);
-    return quatd_mul(state->ecef_from_body, (Quatd){0.0, half.x, half.y, half.z});
+static Vec3d angular_momentum(const Aircraft *a, Vec3d w) {
+    return vec3d(a->ixx * w.x - a->ixz * w.z, a->iyy * w.y, a->izz * w.z - a->ixz * w.x);
 }
 
-FlightMotion flight_motion(const FlightState *state, const Controls *controls) {
-    Air air = look_at_air(state);
-    Vec3d acceleration = acceleration_body(&air);
-    Vec3d rate = wanted_rate(&air, acceleration, controls);
-    return (FlightMotion){.velocity = state->velocity_ecef,
-                          .acceleration = quatd_rotate(state->ecef_from_body, acceleration),
-                          .attitude_change = attitude_change(state),
-                          .rate_change_body = vec3d_scale(vec3d_sub(rate, state->rate_body), 1.0 / RATE_LAG_S)};
+// Euler's equation, solved for the change of the rates.
+static Vec3d rate_change(const Aircraft *a, Vec3d w, Vec3d moment) {
+    Vec3d m = vec3d_sub(moment, vec3d_cross(w, angular_momentum(a, w)));
+    double det = a->ixx * a->izz - a->ixz * a->ixz;
+    return vec3d((a->izz * m.x + a->ixz * m.z) / det, m.y / a->iyy, (a->ixz * m.x + a->ixx * m.z) / det);
+}
+
+FlightMotion flight_motion(const Flight *flight, const FlightState *state, const FlightStepSetting *setting) {
+    const Aircraft *a = flight->aircraft;
+    Place place = look_around(flight, state, setting);
+    AirframeLoad load = air_load(flight, state, setting, &place);
+    Propulsion engine = propulsion_at(a, &place.air, place.air_body.x, state->engine, state->throttle);
+    FlightMotion out = {.velocity = state->velocity_ecef, .engine_rate = engine.engine_rate};
+    out.air_force_body = vec3d_add(load.force, vec3d(engine.thrust_n, 0.0, 0.0));
+    Vec3d force = out.air_force_body, moment = load.moment, w = state->rate_body;
+    add_gear(flight, state, setting, &force, &moment, &out);
+    Vec3d turning = vec3d_sub(vec3d_mad(place.gravity_body, force, 1.0 / a->mass), vec3d_cross(w, place.air_body));
+    double change = alpha_dot(&place, turning, load.force_alpha_dot, a->mass);
+    out.air_force_body = vec3d_mad(out.air_force_body, load.force_alpha_dot, change);
+    force = vec3d_mad(force, load.force_alpha_dot, change);
+    moment = vec3d_mad(moment, load.moment_alpha_dot, change);
+    out.acceleration = quatd_rotate(state->ecef_from_body, vec3d_mad(place.gravity_body, force, 1.0 / a->mass));
+    out.rate_change_body = rate_change(a, w, moment);
+    Vec3d half = vec3d_scale(w, 0.5);
+    out.attitude_change = quatd_mul(state->ecef_from_body, (Quatd){0.0, half.x, half.y, half.z});
+    return out;
+}
+
+// Damping of roll, pitch and yaw, the frequencies of pitch and yaw, drag at any angle, the propeller.
+double flight_stiffness(const Flight *flight, const FlightStepSetting *setting) {
+    const Aircraft *a = flight->aircraft;
+    const FlightState *s = &flight->state;
+    double density = isa_at(setting->origin_h_m).density;
+    double v = vec3d_length(vec3d_sub(s->velocity_ecef, flight->wind_ecef)), flow = 0.5 * density * v * a->area;
+    double roll = 0.5 * flow * a->span * a->span * -a->cr_p / a->ixx;
+    double pitch = 0.5 * flow * a->chord * a->chord * -(a->cm_q + a->cm_alpha_dot) / a->iyy;
+    double swing = sqrt(flow * v * fmax(a->chord * fabs(a->cm_alpha) / a->iyy, a->span * fabs(a->cn_beta) / a->izz));
+    double drag = flow * (2.0 * a->cd_plate + a->cl_alpha) / a->mass;
+    return fmax(fmax(roll, pitch), fmax(swing, drag)) + vec3d_length(s->rate_body);
 }

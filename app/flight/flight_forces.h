@@ -1,35 +1,47 @@
-// app/flight/flight_forces.h: what acts on the aircraft. Metres, seconds, radians; accelerations, for a mass of one.
-// A light jet with a path-holding control law: hands off it flies straight, or a level turn while banked.
-// Values only.
+// app/flight/flight_forces.h: the equations of motion of a rigid aircraft.
+// ECEF metres, seconds, radians.
+// Values only; pure functions.
 #pragma once
+#include "app/aircraft/gear.h"
 #include "app/flight/flight_model.h"
+#include "terrain/geodesy.h"
 
-#define FLIGHT_GRAVITY 9.80665
-#define FLIGHT_LIFT 0.00438     // lift acceleration = FLIGHT_LIFT density V^2 CL: 1 g at 40 m/s with CL 1.4
-#define FLIGHT_LIFT_SLOPE 5.2   // CL a radian
-#define FLIGHT_STALL_RAD 0.2618 // 15 degrees
-#define FLIGHT_DRAG_ZERO 0.025
-#define FLIGHT_DRAG_LIFT 0.06
-#define FLIGHT_THRUST 4.0     // full, at sea level
-#define FLIGHT_LOAD_MAX 6.0   // structural limit, g, up; half of it down
-#define FLIGHT_CONTROL_V 15.0 // controls work well above this speed
+// What stays the same during a step.
+typedef struct FlightStepSetting {
+    Vec3d origin_ecef;              // where the step begins
+    double origin_h_m;              // above the ellipsoid
+    Vec3d east, north, up;          // there, unit, in ECEF
+    double east_curve, north_curve; // 1/m: of the surfaces of equal height there
+    double ground_h_m;              // of the ground below, above the ellipsoid, for the ground effect; -INFINITY: none
+    int plane_count;                // 0: no leg can touch
+    struct {
+        bool there;
+        Vec3d point_ecef, normal_ecef;
+    } planes[AIRCRAFT_LEGS_MAX];
+    double brake_left, brake_right;
+} FlightStepSetting;
 
-// The time derivative of a state.
+// The setting of a step that begins at `state`, above no ground.
+FlightStepSetting flight_setting(const FlightState *state);
+// Place of a position within a step, to the second order of the way from its origin: within 1e-14 of
+// it for 1 m, 1e-9 for 200 m.
+Geodetic flight_place(const FlightStepSetting *setting, Vec3d position_ecef);
+
+// The time derivative of a state, and what else is known on the way.
 typedef struct FlightMotion {
-    Vec3d velocity, acceleration;
+    Vec3d velocity, acceleration; // ECEF
     Quatd attitude_change;
     Vec3d rate_change_body;
+    double engine_rate;
+    Vec3d air_force_body; // N, with the thrust, without gravity and ground
+    uint8_t wheels;
+    double sink_m_s; // of the leg that comes down fastest
 } FlightMotion;
 
-FlightMotion flight_motion(const FlightState *state, const Controls *controls);
-
-// Share of the density at sea level; > 0.
-double flight_density(double h_m);
-// Lift coefficient of an angle of attack, any angle: linear, then a stall.
-double flight_lift_coefficient(double alpha_rad);
-double flight_drag_coefficient(double alpha_rad);
-double flight_gravity(double h_m);
-double flight_thrust(double throttle, double h_m);
-
-// Angle of attack and of sideslip of a velocity in body axes; 0 at rest.
-void flight_air_angles(Vec3d velocity_body, double *alpha_rad, double *beta_rad);
+// Newton and Euler: m dv/dt = forces + m g; I dw/dt = moments - w x I w; dq/dt = q w / 2. Lift and moment that depend
+// on the change of the angle of attack are solved for together with it.
+FlightMotion flight_motion(const Flight *flight, const FlightState *state, const FlightStepSetting *setting);
+// The fastest rate at which the air changes the motion, 1/s: an upper bound for the length of a step.
+double flight_stiffness(const Flight *flight, const FlightStepSetting *setting);
+// The plane under a leg in body axes of `state`.
+GearPlane flight_gear_plane(const FlightState *state, const FlightStepSetting *setting, int leg);

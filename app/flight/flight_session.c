@@ -1,7 +1,8 @@
 #include "app/flight/flight_session.h"
 
+#include "app/aircraft/airframe.h"
+#include "app/aircraft/isa.h"
 #include "app/flight/flight_contact.h"
-#include "app/flight/flight_forces.h"
 #include "base/log.h"
 #include "base/statistics.h"
 #include "terrain/geodesy.h"
@@ -10,8 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#define START_SPEED 110.0
-#define STALL_MARGIN 1.6 // times the stall speed, where the air is thin
+#define STALL_MARGIN 1.5 // times the stall speed, where the air is thin
 #define ROUND_MIN_M 2000.0
 
 static bool terrain_height(void *user, double lat_rad, double lon_rad, double *h_m) {
@@ -22,13 +22,12 @@ static FlightGround ground_of(const World *world) {
     return (FlightGround){terrain_height, world->terrain};
 }
 
-static double start_speed(const World *world, const Options *options, double h_m) {
+static double start_speed(const World *world, const Options *options, const Aircraft *aircraft, double h_m) {
     if (options_is_set(options, OPTION_SPEED))
         return options_number(options, OPTION_SPEED);
-    if (world->scene.has_speed)
-        return world->scene.speed_m_s;
-    double stall = sqrt(FLIGHT_GRAVITY / (FLIGHT_LIFT * flight_density(h_m) * FLIGHT_LIFT_SLOPE * FLIGHT_STALL_RAD));
-    return fmax(START_SPEED, STALL_MARGIN * stall);
+    if (world->scene.has_speed && strcmp(aircraft->id, AIRCRAFT_DEFAULT) == 0)
+        return world->scene.speed_m_s; // scenes are made for the aircraft that they start with
+    return fmax(aircraft->cruise_speed, STALL_MARGIN * airframe_stall_speed(aircraft, isa_at(h_m).density, 0.0));
 }
 
 // Level, however the view is tilted, unless a direction was asked for: the start of a scene looks down at the land.
@@ -36,15 +35,28 @@ static double start_pitch_rad(const Options *options, const Viewpoint *view) {
     return options_is_set(options, OPTION_LOOK) ? view->pitch_deg * GEODESY_RAD_PER_DEG : 0.0;
 }
 
-static Flight start_flight(const World *world, const Options *options, const Viewpoint *view) {
+static void say_start(const Flight *flight, const FlightStart *start) {
+    if (start->on_ground && flight->state.contact != FLIGHT_ROLLING)
+        log_warn("the %s cannot stand where the flight starts: it starts in the air", flight->aircraft->name);
+    else if (!start->on_ground && !start->untrimmed && !flight->trimmed)
+        log_warn("the %s has no steady flight at %.0f m/s there: it starts as near as its wing carries",
+                 flight->aircraft->name, start->speed_m_s);
+}
+
+static Flight start_flight(const World *world, const Options *options, const Aircraft *aircraft,
+                           const Viewpoint *view) {
     double h_m = world_ellipsoid_m(world, view->lat_deg, view->lon_deg, view->alt_m);
     FlightStart start = {.lat_rad = view->lat_deg * GEODESY_RAD_PER_DEG,
                          .lon_rad = view->lon_deg * GEODESY_RAD_PER_DEG,
                          .h_m = h_m,
                          .heading_rad = view->heading_deg * GEODESY_RAD_PER_DEG,
                          .pitch_rad = start_pitch_rad(options, view),
-                         .speed_m_s = start_speed(world, options, h_m)};
-    return flight_create(&start, ground_of(world));
+                         .speed_m_s = start_speed(world, options, aircraft, h_m),
+                         .untrimmed = !options_flag(options, OPTION_TRIM),
+                         .on_ground = options_flag(options, OPTION_ON_GROUND)};
+    Flight flight = flight_create(aircraft, &start, ground_of(world));
+    say_start(&flight, &start);
+    return flight;
 }
 
 // How far the view's middle is from the eye: where the line of sight meets the ground.
@@ -77,8 +89,13 @@ Result session_create(const World *world, const Options *options, FlightSession 
     *out = (FlightSession){.world = world, .settings = flight_settings_create(options)};
     out->governor = governor_create(out->settings.target_ms, out->settings.tau_px);
     out->sun_ecef = world_sun(world, options, &view);
-    out->flight = start_flight(world, options, &view);
-    out->keyboard = keyboard_create(out->flight.state.throttle);
+    result = aircraft_load(options_text(options, OPTION_AIRCRAFT), &out->aircraft);
+    if (result != RESULT_OK)
+        return result;
+    out->assist = options_flag(options, OPTION_ASSIST);
+    out->flight = start_flight(world, options, &out->aircraft, &view);
+    out->keyboard = keyboard_create(out->flight.controls.throttle);
+    out->keyboard.controls = out->flight.controls;
     return options_flag(options, OPTION_DEMO) ? prepare_demo(world, &view, out) : RESULT_OK;
 }
 
@@ -144,8 +161,10 @@ void session_govern(FlightSession *session, const PipelineStats *stats) {
 }
 
 static void take_over(FlightSession *session, const char *why) {
+    const FlightState *state = &session->flight.state;
     session->demo_flies = false;
-    keyboard_set_throttle(&session->keyboard, session->flight.state.throttle);
+    session->keyboard.controls = (Controls){
+        .trim = state->elevator, .throttle = state->throttle, .flaps = state->flaps, .gear_up = state->gear < 0.5};
     session_say(session, why);
 }
 
@@ -220,15 +239,23 @@ static void hear_pads(FlightSession *session, int64_t until_ns) {
         take_over(session, "you have control");
 }
 
+// After a crash the controls are those of the new start.
+static void begin_again(FlightSession *session) {
+    session->keyboard.controls = session->flight.controls;
+    session->help = session->demo.autopilot = (Autopilot){.engaged = false};
+}
+
 static void step(FlightSession *session) {
     Controls controls = sample_keyboard(session);
     if (session->demo_flies)
-        controls = demo_fly(&session->demo, &session->flight);
+        controls = demo_fly(&session->demo, &session->flight, FLIGHT_STEP_S);
+    else if (session->assist)
+        controls = autopilot_assist(&session->help, &session->flight, &controls, FLIGHT_STEP_S);
     FlightContact before = session->flight.state.contact;
     flight_step(&session->flight, &controls, FLIGHT_STEP_S);
     session->crashes += before != FLIGHT_CRASHED && session->flight.state.contact == FLIGHT_CRASHED;
     if (before == FLIGHT_CRASHED && session->flight.state.contact != FLIGHT_CRASHED)
-        keyboard_set_throttle(&session->keyboard, session->flight.state.throttle);
+        begin_again(session);
     if (session->demo_flies && demo_is_over(&session->demo))
         take_over(session, "the demo is over: you have control");
 }

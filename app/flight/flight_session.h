@@ -1,6 +1,6 @@
 // app/flight/flight_session.h: a flight as it is flown: aircraft, pilot or demo, settings; from passed time to the
-// order of the next frame. Knows no window and no thread. Seconds, metres, radians. A FlightSession borrows its World;
-// a value otherwise. One thread.
+// order of the next frame. Knows no window and no thread. Seconds, metres, radians. A FlightSession borrows its World
+// and points into itself: it is not copied. One thread.
 #pragma once
 #include "app/flight/demo.h"
 #include "app/flight/flight_model.h"
@@ -21,7 +21,10 @@ typedef struct FlightSession {
     Governor governor;     // where settings.target_ms is above 0
     int64_t frames_judged; // that the governor was told of
     GovernorNotice slow_notice;
-    Flight flight;
+    Aircraft aircraft;
+    Flight flight; // borrows the aircraft: the session stays where it is
+    bool assist;   // of the keys
+    Autopilot help;
     CameraRig rig;
     Keyboard keyboard;
     Pilot *pilot;   // borrowed; NULL: the keyboard alone
