@@ -51,11 +51,15 @@ static Result read_default(Scene *out) {
     return result == RESULT_OK ? scene_read(path, out) : result;
 }
 
+static Result read_listed(const char *const *names, int count, Scene *out) {
+    return count > 0 ? read_named(names, count, out) : read_default(out);
+}
+
 static Result read_scene(const Options *options, Scene *out) {
     // The first word of these is what to measure, or to replay.
     int first = (options_command(options) & (COMMAND_BENCH | COMMAND_REPRODUCE | COMMAND_REPLAY)) != 0;
     int count = options_positional_count(options) - first;
-    return count > 0 ? read_named(options_positionals(options) + first, count, out) : read_default(out);
+    return read_listed(options_positionals(options) + first, count, out);
 }
 
 // ---- Are the files there? ---------------------------------------------------------------------------------------
@@ -223,6 +227,22 @@ Result world_load(const Options *options, World *out) {
     Scene scene = {.datum = -1, .voids = -1};
     TerrainOptions terrain = scene_terrain_options(options);
     Result result = read_scene(options, &scene);
+    return result == RESULT_OK ? load_scene(options, &terrain, &scene, out) : result;
+}
+
+Result world_check_listed(const Options *options, const char *const *names, int count) {
+    Scene scene = {.datum = -1, .voids = -1};
+    Result result = read_listed(names, count, &scene);
+    if (result == RESULT_OK)
+        result = check_scene_files(options, &scene);
+    scene_clear(&scene);
+    return result;
+}
+
+Result world_load_listed(const Options *options, const char *const *names, int count, World *out) {
+    Scene scene = {.datum = -1, .voids = -1};
+    TerrainOptions terrain = scene_terrain_options(options);
+    Result result = read_listed(names, count, &scene);
     return result == RESULT_OK ? load_scene(options, &terrain, &scene, out) : result;
 }
 

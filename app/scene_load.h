@@ -42,6 +42,9 @@ MUST_USE Result world_check_inputs(const Options *options);
 // of one that came with the program), or DEM files and folders. Jobs, geoid, DEM and terrain as the options say. On
 // failure one message was logged and `out` is empty.
 MUST_USE Result world_load(const Options *options, World *out);
+// The same with names of the caller's instead of the positional arguments; none: the default scene.
+MUST_USE Result world_check_listed(const Options *options, const char *const *names, int count);
+MUST_USE Result world_load_listed(const Options *options, const char *const *names, int count, World *out);
 // The same for one scene or DEM by its name, or the default scene where it is NULL, with a hierarchy of its own.
 MUST_USE Result world_load_named(const Options *options, const char *name, const TerrainOptions *terrain, World *out);
 // Whether its files are there, as world_check_inputs.

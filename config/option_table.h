@@ -102,6 +102,8 @@
       "leave after N frames, or measure so many; 0: when told to, or a measurement's own number")                      \
     X(LOCKSTEP, "lockstep", 0, FLAG, NULL, "false", 0, 0, NULL, COMMANDS_FLIGHT,                                       \
       "stages one after another, 1/60 s a frame: the same pictures each time")                                         \
+    X(RECORD, "record", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMANDS_FLIGHT,                                            \
+      "record the flight as it goes (.ofr); without: the last ten minutes are kept, and F5 saves them")                \
     X(JOYSTICK, "joystick", 0, FLAG, NULL, "true", 0, 0, NULL, COMMANDS_FLIGHT, "look for sticks and gamepads")        \
     X(DEMO, "demo", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY, "fly the scene's demonstration")                  \
     X(AIRCRAFT, "aircraft", 0, TEXT, "NAME|FILE", "t37", 0, 0, NULL, COMMAND_FLY,                                      \
@@ -135,6 +137,8 @@
       "with --pictures: every Nth frame of the replay, instead of --picture-count")                                    \
     X(VIDEO, "video", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMAND_REPLAY,                                               \
       "a film of the replay, by ffmpeg: frame i at i / --fps seconds; .mp4, .mkv, .webm or .mov")                      \
+    X(VERIFY, "verify", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_REPLAY,                                            \
+      "fly a recording again without drawing, and tell whether it is the same flight, step by step")                   \
     X(AT, "at", 0, TEXT, "TIME", NULL, 0, 0, NULL, COMMAND_REPLAY, "where to begin: seconds, M:SS or H:MM:SS")         \
     X(REPLAY_RATE, "time-rate", 0, CHOICE, NULL, "1", 0, 0, CHOICES_REPLAY_RATE, COMMAND_REPLAY,                       \
       "how fast time runs at the start")                                                                               \

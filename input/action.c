@@ -30,6 +30,8 @@ static const struct {
     {']', ANY, ACTION_FLAPS_DOWN},
     {'G', PLAIN, ACTION_GEAR_UP},
     {'G', SHIFTED, ACTION_GEAR_DOWN},
+    {'R', ANY, ACTION_RESET},
+    {KEY_F5, ANY, ACTION_SAVE},
     {'5', ANY, ACTION_CENTRE},
     {KEY_PAD_5, ANY, ACTION_CENTRE},
     {'V', PLAIN, ACTION_VIEW_NEXT},

@@ -44,6 +44,7 @@
     X(BRAKES, "b", "wheel brakes")
 
 #define ACTION_ONCE_TABLE(X)                                                                                           \
+    X(RESET, "r", "start anew")                                                                                        \
     X(CENTRE, "5", "centre stick and rudder")                                                                          \
     X(FLAPS_UP, "[", "flaps up a notch")                                                                               \
     X(FLAPS_DOWN, "]", "flaps down a notch")                                                                           \
@@ -59,6 +60,7 @@
     X(HUD, "h", "head-up display on and off")                                                                          \
     X(ACCURACY, "F2", "what accuracy costs in time, on and off")                                                       \
     X(SCREENSHOT, "F3", "write a picture")                                                                             \
+    X(SAVE, "F5", "save the last ten minutes as a recording")                                                          \
     X(FINER, "t", "smaller tolerated error")                                                                           \
     X(COARSER, "T", "larger tolerated error")                                                                          \
     X(METHOD, "m", "next level-of-detail method")                                                                      \

@@ -269,6 +269,7 @@ static const struct {
     [PAD_CONTROL_ELEVATOR] = {ACTION_STICK_FORWARD, ACTION_STICK_BACK},
     [PAD_CONTROL_RUDDER] = {ACTION_RUDDER_LEFT, ACTION_RUDDER_RIGHT},
     [PAD_CONTROL_THROTTLE] = {ACTION_THROTTLE_DOWN, ACTION_THROTTLE_UP},
+    [PAD_CONTROL_TRIM] = {ACTION_TRIM_DOWN, ACTION_TRIM_UP},
 };
 
 static bool was_pressed(const Mapper *mapper, const Keyboard *keyboard, Action action) {

@@ -18,7 +18,7 @@ static bool terrain_height(void *user, double lat_rad, double lon_rad, double *h
     return terrain_ground_m(user, lat_rad / GEODESY_RAD_PER_DEG, lon_rad / GEODESY_RAD_PER_DEG, h_m);
 }
 
-static FlightGround ground_of(const World *world) {
+FlightGround session_ground(const World *world) {
     return (FlightGround){terrain_height, world->terrain};
 }
 
@@ -54,14 +54,14 @@ static Flight start_flight(const World *world, const Options *options, const Air
                          .speed_m_s = start_speed(world, options, aircraft, h_m),
                          .untrimmed = !options_flag(options, OPTION_TRIM),
                          .on_ground = options_flag(options, OPTION_ON_GROUND)};
-    Flight flight = flight_create(aircraft, &start, ground_of(world));
+    Flight flight = flight_create(aircraft, &start, session_ground(world));
     say_start(&flight, &start);
     return flight;
 }
 
 // How far the view's middle is from the eye: where the line of sight meets the ground.
 static double sight_distance(const World *world, const Viewpoint *view) {
-    FlightGround ground = ground_of(world);
+    FlightGround ground = session_ground(world);
     Vec3d eye = world_viewpoint_ecef(world, view), ahead = viewpoint_forward(view);
     double distance_m = ROUND_MIN_M, above_m;
     for (int i = 0; i < 64; i++, distance_m *= 1.08) {
@@ -94,6 +94,7 @@ Result session_create(const World *world, const Options *options, FlightSession 
         return result;
     out->assist = options_flag(options, OPTION_ASSIST);
     out->flight = start_flight(world, options, &out->aircraft, &view);
+    out->begin = out->flight.state;
     out->keyboard = keyboard_create(out->flight.controls.throttle);
     out->keyboard.controls = out->flight.controls;
     return options_flag(options, OPTION_DEMO) ? prepare_demo(world, &view, out) : RESULT_OK;
@@ -182,6 +183,23 @@ void session_on_repeat(FlightSession *session, int key) {
         (void)session_replay_key(session, key);
 }
 
+// After a crash the controls are those of the new start.
+static void begin_again(FlightSession *session) {
+    session->keyboard.controls = session->flight.controls;
+    session->help = session->demo.autopilot = (Autopilot){.engaged = false};
+}
+
+// To where the flight began, as it began.
+static void session_reset(FlightSession *session) {
+    int64_t step = session->flight.state.step;
+    session->flight.state = session->begin;
+    session->flight.state.step = step;
+    begin_again(session);
+    if (session->recorder)
+        recorder_restart(session->recorder, RECORDING_EVENT_RESET, &session->flight);
+    session_say(session, "from the start");
+}
+
 static void act(FlightSession *session, Action action) {
     char message[PIPELINE_MESSAGE_BYTES];
     switch (action) {
@@ -193,6 +211,14 @@ static void act(FlightSession *session, Action action) {
         return;
     case ACTION_CENTRE:
         keyboard_centre(&session->keyboard);
+        return;
+    case ACTION_SAVE:
+        if (session->recorder)
+            recorder_save(session->recorder, message);
+        session_say(session, session->recorder ? message : "nothing is recorded");
+        return;
+    case ACTION_RESET:
+        session_reset(session);
         return;
     case ACTION_FLAPS_UP:
     case ACTION_FLAPS_DOWN:
@@ -239,12 +265,6 @@ static void hear_pads(FlightSession *session, int64_t until_ns) {
         take_over(session, "you have control");
 }
 
-// After a crash the controls are those of the new start.
-static void begin_again(FlightSession *session) {
-    session->keyboard.controls = session->flight.controls;
-    session->help = session->demo.autopilot = (Autopilot){.engaged = false};
-}
-
 static void step(FlightSession *session) {
     Controls controls = sample_keyboard(session);
     if (session->demo_flies)
@@ -252,7 +272,10 @@ static void step(FlightSession *session) {
     else if (session->assist)
         controls = autopilot_assist(&session->help, &session->flight, &controls, FLIGHT_STEP_S);
     FlightContact before = session->flight.state.contact;
-    flight_step(&session->flight, &controls, FLIGHT_STEP_S);
+    if (session->recorder)
+        recorder_fly(session->recorder, &session->flight, &controls);
+    else
+        flight_step(&session->flight, &controls, FLIGHT_STEP_S);
     session->crashes += before != FLIGHT_CRASHED && session->flight.state.contact == FLIGHT_CRASHED;
     if (before == FLIGHT_CRASHED && session->flight.state.contact != FLIGHT_CRASHED)
         begin_again(session);
@@ -270,7 +293,17 @@ static void fly_steps(FlightSession *session, double passed_s) {
     }
 }
 
+static void hear_recorder(FlightSession *session) {
+    char message[RECORDER_MESSAGE_BYTES];
+    if (!session->recorder)
+        return;
+    recorder_news(session->recorder, message);
+    if (message[0])
+        session_say(session, message);
+}
+
 void session_advance(FlightSession *session, double passed_s) {
+    hear_recorder(session);
     if (session->pilot)
         pilot_poll(session->pilot);
     if (session->playback || session->settings.clock.paused)

@@ -4,6 +4,7 @@
 #pragma once
 #include "app/flight/demo.h"
 #include "app/flight/flight_model.h"
+#include "app/flight/flight_recorder.h"
 #include "app/flight/flight_settings.h"
 #include "app/flight/governor.h"
 #include "app/flight/pilot.h"
@@ -23,12 +24,14 @@ typedef struct FlightSession {
     GovernorNotice slow_notice;
     Aircraft aircraft;
     Flight flight; // borrows the aircraft: the session stays where it is
-    bool assist;   // of the keys
+    FlightState begin;
+    bool assist; // of the keys
     Autopilot help;
     CameraRig rig;
     Keyboard keyboard;
-    Pilot *pilot;   // borrowed; NULL: the keyboard alone
-    int64_t now_ns; // until when session_advance flies, as base/clock.h counts; 0: not by a clock
+    Pilot *pilot;             // borrowed; NULL: the keyboard alone
+    int64_t now_ns;           // until when session_advance flies, as base/clock.h counts; 0: not by a clock
+    FlightRecorder *recorder; // borrowed; NULL: nothing is recorded
     Demo demo;
     bool demo_flies;
     Playback *playback; // borrowed: shown instead of flying; NULL: flown
@@ -44,6 +47,9 @@ typedef struct FlightSession {
 
 // The aircraft at the scene's start, or where the terrain looks best; the demo when asked for. Errors of the demo.
 MUST_USE Result session_create(const World *world, const Options *options, FlightSession *out);
+
+// Heights of the terrain; `world` is borrowed.
+FlightGround session_ground(const World *world);
 
 // Shows a recorded flight from now on: --at, --time-rate, --backwards. USAGE, logged: no such time.
 MUST_USE Result session_begin_replay(FlightSession *session, Playback *playback, const Options *options);

@@ -5,6 +5,7 @@
 #include "app/flight/flight_report.h"
 #include "app/picture_options.h"
 #include "app/pipeline/picture.h"
+#include "app/replay/replay_scene.h"
 #include "base/log.h"
 #include "config/files.h"
 
@@ -21,6 +22,7 @@ typedef struct Fly {
     Playback *playback;
     FlightSession *session;
     Pilot *pilot;
+    FlightRecorder *recorder;
     Video *video;
     Pipeline *pipeline;
     Monitor *monitor;
@@ -88,16 +90,19 @@ static Result open_context(Fly *fly) {
 // Before anything slow: whether the track can be read at all.
 static Result check_track(const Fly *fly) {
     const TrackFormat *format;
-    return fly->track ? track_format_of_file(fly->track, &format) : RESULT_OK;
+    bool other = fly->track && !playback_is_recording(fly->track);
+    return other ? track_format_of_file(fly->track, &format) : RESULT_OK;
 }
 
 static Result start_replay(Fly *fly) {
-    TrackReading how = track_reading_default();
-    how.geoid = fly->world.geoid;
-    how.object = options_text(fly->options, OPTION_OBJECT);
+    PlaybackOptions playback = {.how = track_reading_default(),
+                                .ground = fly->session->flight.ground,
+                                .dem_hash = dem_hash(terrain_dem(fly->world.terrain))};
+    playback.how.geoid = fly->world.geoid;
+    playback.how.object = options_text(fly->options, OPTION_OBJECT);
     if (options_is_set(fly->options, OPTION_IGC_ALT))
-        how.igc_alt = (TrackIgcAlt)options_choice(fly->options, OPTION_IGC_ALT);
-    Result result = playback_open(fly->track, &how, &fly->playback);
+        playback.how.igc_alt = (TrackIgcAlt)options_choice(fly->options, OPTION_IGC_ALT);
+    Result result = playback_open(fly->track, &playback, &fly->playback);
     return result == RESULT_OK ? session_begin_replay(fly->session, fly->playback, fly->options) : result;
 }
 
@@ -117,7 +122,12 @@ static Result start_session(Fly *fly) {
     if (result == RESULT_OK && wants_joystick(fly))
         result = pilot_create(&fly->pilot);
     fly->session->pilot = fly->pilot;
-    return result == RESULT_OK && fly->track ? start_replay(fly) : result;
+    if (result == RESULT_OK && fly->track)
+        result = start_replay(fly);
+    if (result == RESULT_OK)
+        result = recorder_create(&fly->world, fly->options, &fly->session->flight, &fly->recorder);
+    fly->session->recorder = fly->recorder;
+    return result;
 }
 
 static Result start_video(Fly *fly) {
@@ -172,11 +182,12 @@ static Result prepare(Fly *fly) {
     if (result == RESULT_OK)
         result = check_track(fly);
     if (result == RESULT_OK)
-        result = world_check_inputs(fly->options);
+        result = fly->track ? replay_check_scene(fly->options, fly->track) : world_check_inputs(fly->options);
     if (result == RESULT_OK)
         result = open_context(fly);
     if (result == RESULT_OK)
-        result = world_load(fly->options, &fly->world);
+        result = fly->track ? replay_load_scene(fly->options, fly->track, &fly->world)
+                            : world_load(fly->options, &fly->world);
     if (result == RESULT_OK)
         result = start_session(fly);
     if (result == RESULT_OK)
@@ -192,13 +203,13 @@ static Result prepare(Fly *fly) {
 static Result end(Fly *fly) {
     monitor_destroy(&fly->monitor);
     pipeline_destroy(&fly->pipeline);
-    Result result = video_end(&fly->video);
+    Result result = video_end(&fly->video), recorded = recorder_close(&fly->recorder);
     free(fly->session);
     pilot_destroy(&fly->pilot);
     playback_close(&fly->playback);
     world_unload(&fly->world);
     context_destroy(&fly->context);
-    return result;
+    return result != RESULT_OK ? result : recorded;
 }
 
 Result fly_run(const Options *options, const char *track) {

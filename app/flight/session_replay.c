@@ -42,18 +42,36 @@ Result session_begin_replay(FlightSession *session, Playback *playback, const Op
     return result;
 }
 
-void session_end_replay(FlightSession *session) {
+// A recording's state is all there is to know; of a track a steady flight is made from where it was.
+static void fly_on(FlightSession *session) {
+    const Aircraft *flown = playback_aircraft(session->playback);
     FlightInstruments now = flight_instruments(&session->flight);
+    if (flown) {
+        session->aircraft = *flown;
+        return;
+    }
+    double climb = fmin(fmax(now.vertical_speed_m_s / fmax(now.speed_m_s, 1.0), -1.0), 1.0);
     const FlightStart start = {.lat_rad = now.lat_rad,
                                .lon_rad = now.lon_rad,
                                .h_m = now.h_m,
                                .heading_rad = now.heading_rad,
-                               .pitch_rad =
-                                   asin(fmin(fmax(now.vertical_speed_m_s / fmax(now.speed_m_s, 1.0), -1.0), 1.0)),
+                               .pitch_rad = asin(climb),
                                .speed_m_s = now.speed_m_s};
+    session->flight = flight_create(&session->aircraft, &start, session->flight.ground);
+}
+
+void session_end_replay(FlightSession *session) {
+    const FlightState *state = &session->flight.state;
+    int64_t step = state->step;
+    fly_on(session);
     session->playback = NULL;
-    session->flight = flight_create(&start, session->flight.ground);
-    session->keyboard = keyboard_create(session->flight.state.throttle);
+    session->flight.state.step = step;
+    session->keyboard = keyboard_create(state->throttle);
+    session->keyboard.controls = (Controls){
+        .trim = state->elevator, .throttle = state->throttle, .flaps = state->flaps, .gear_up = state->gear < 0.5};
+    session->help = (Autopilot){.engaged = false};
+    if (session->recorder)
+        recorder_restart(session->recorder, RECORDING_EVENT_TAKE_OVER, &session->flight);
     session_say(session, "you have control");
 }
 

@@ -12,7 +12,7 @@
 #include <string.h>
 
 // As PNG's: what mangles line ends or the eighth bit is found out.
-static const uint8_t MAGIC[8] = {0x89, 'O', 'F', 'R', '\r', '\n', 0x1A, '\n'};
+static const uint8_t MAGIC[RECORDING_MAGIC_BYTES] = {0x89, 'O', 'F', 'R', '\r', '\n', 0x1A, '\n'};
 #define VERSION_AT 8
 #define LENGTH_AT 12
 #define TEXT_AT 16
@@ -233,4 +233,8 @@ Result recording_header_decode(const char *file, const uint8_t *bytes, size_t co
     text[text_bytes] = '\0';
     *header_bytes = TEXT_AT + text_bytes + CRC_BYTES;
     return read_text(file, text, out);
+}
+
+bool recording_is_one(const uint8_t begin[RECORDING_MAGIC_BYTES]) {
+    return memcmp(begin, MAGIC, sizeof MAGIC) == 0;
 }

@@ -42,6 +42,9 @@ void recording_header_set(RecordingHeader *header, RecordingKey key, const char 
 // The first key from `from` on whose value differs; RECORDING_KEY_COUNT when there is none.
 RecordingKey recording_header_difference(const RecordingHeader *a, const RecordingHeader *b, RecordingKey from);
 
+// Whether a file that begins with these bytes is a recording, sound or not.
+#define RECORDING_MAGIC_BYTES 8
+bool recording_is_one(const uint8_t begin[RECORDING_MAGIC_BYTES]);
 // The bytes a file begins with; their number. `crc`: the last four of them, which every chunk's checksum goes on from.
 size_t recording_header_encode(const RecordingHeader *header, uint8_t out[RECORDING_HEADER_BYTES_MAX], uint32_t *crc);
 // From the first `count` bytes of `file`, which names it in messages. FORMAT: no recording, damaged, or cut off;

@@ -1,26 +1,91 @@
 #include "app/replay/playback.h"
 
+#include "app/flight/flight_recorder.h"
+#include "app/recording/recording_player.h"
+#include "app/track/track_time.h"
 #include "base/log.h"
 #include "terrain/geodesy.h"
 
+#include <inttypes.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define SLOPE_S 0.05 // to either side: how speed and turning are got from places and attitudes
 
 struct Playback {
-    Track track;
     const Geoid *geoid;
+    Track track; // where it is no recording
+    // Where it is one:
+    RecordingReader *reader;
+    RecordingPlayer *player;
+    Aircraft aircraft;
+    Flight flight;
+    RecordingSim sim;
+    uint32_t first, end; // steps
+    double step_s;
 };
 
-Result playback_open(const char *path, const TrackReading *how, Playback **out) {
+// ---- opening ----
+
+bool playback_is_recording(const char *path) {
+    uint8_t begin[RECORDING_MAGIC_BYTES];
+    FILE *file = fopen(path, "rb");
+    bool is_one = file && fread(begin, 1, sizeof begin, file) == sizeof begin && recording_is_one(begin);
+    if (file)
+        fclose(file);
+    return is_one;
+}
+
+Result playback_read_header(const char *path, RecordingHeader *out) {
+    RecordingReader *reader = NULL;
+    Result result = recording_reader_open(path, &reader);
+    if (result == RESULT_OK)
+        *out = *recording_reader_header(reader);
+    recording_reader_close(&reader);
+    return result;
+}
+
+static void warn_of_differences(const RecordingHeader *header, const Playback *playback, uint64_t dem_hash) {
+    char hash[32];
+    snprintf(hash, sizeof hash, "%016" PRIx64, dem_hash);
+    if (strcmp(hash, header->environment[RECORDING_DEM_HASH]) != 0)
+        log_warn("recorded over another elevation model (%s): where wheels touch it, the flight differs",
+                 header->environment[RECORDING_DEM]);
+    snprintf(hash, sizeof hash, "%016" PRIx64, flight_recording_aircraft_hash(&playback->aircraft));
+    if (strcmp(hash, header->environment[RECORDING_AIRCRAFT_HASH]) != 0)
+        log_warn("recorded with other figures of the aircraft '%s': the flight differs from its first step on",
+                 header->environment[RECORDING_AIRCRAFT]);
+}
+
+static Result open_recording(const char *path, const PlaybackOptions *options, Playback *playback) {
+    Result result = recording_reader_open(path, &playback->reader);
+    if (result != RESULT_OK)
+        return result;
+    const RecordingHeader *header = recording_reader_header(playback->reader);
+    result = aircraft_load(header->environment[RECORDING_AIRCRAFT], &playback->aircraft);
+    if (result != RESULT_OK)
+        return result;
+    warn_of_differences(header, playback, options->dem_hash);
+    playback->flight = (Flight){.aircraft = &playback->aircraft, .ground = options->ground};
+    flight_recording_weather(header, &playback->flight);
+    playback->sim = flight_sim(&playback->flight);
+    playback->first = recording_reader_first(playback->reader);
+    playback->end = recording_reader_end(playback->reader);
+    playback->step_s = 1.0 / header->steps_per_s;
+    return recording_player_create(playback->reader, &playback->sim, &playback->player);
+}
+
+Result playback_open(const char *path, const PlaybackOptions *options, Playback **out) {
     Playback *playback = calloc(1, sizeof *playback);
     if (!playback) {
         log_error("%s: no memory for a replay", path);
         return RESULT_MEMORY;
     }
-    playback->geoid = how->geoid;
-    Result result = track_load(path, how, &playback->track);
+    playback->geoid = options->how.geoid;
+    Result result = playback_is_recording(path) ? open_recording(path, options, playback)
+                                                : track_load(path, &options->how, &playback->track);
     if (result == RESULT_OK)
         *out = playback;
     else
@@ -31,17 +96,23 @@ Result playback_open(const char *path, const TrackReading *how, Playback **out) 
 void playback_close(Playback **playback) {
     if (!*playback)
         return;
+    recording_player_destroy(&(*playback)->player);
+    recording_reader_close(&(*playback)->reader);
     track_clear(&(*playback)->track);
     free(*playback);
     *playback = NULL;
 }
 
 double playback_duration_s(const Playback *playback) {
-    return track_duration_s(&playback->track);
+    return playback->reader ? (playback->end - playback->first) * playback->step_s : track_duration_s(&playback->track);
 }
 
 const char *playback_format(const Playback *playback) {
-    return playback->track.format;
+    return playback->reader ? "ofr" : playback->track.format;
+}
+
+const Aircraft *playback_aircraft(const Playback *playback) {
+    return playback->reader ? &playback->aircraft : NULL;
 }
 
 // ---- a track ----
@@ -85,6 +156,93 @@ static PlaybackMoment moment_of_track(const Playback *playback, double t_s) {
     return moment;
 }
 
+// ---- a recording ----
+
+static Vec3d between(Vec3d a, Vec3d b, double share) {
+    return vec3d_mad(a, vec3d_sub(b, a), share);
+}
+
+static Quatd turned_between(Quatd a, Quatd b, double share) {
+    double sign = a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z < 0.0 ? -share : share, rest = 1.0 - share;
+    return quatd_normalize(
+        (Quatd){a.w * rest + b.w * sign, a.x * rest + b.x * sign, a.y * rest + b.y * sign, a.z * rest + b.z * sign});
+}
+
+// The state before a step, or the last one that can be had.
+static FlightState state_at(Playback *playback, int64_t step) {
+    if (recording_player_seek(playback->player, step) != RESULT_OK)
+        log_debug("replay: the state before step %" PRId64 " cannot be had", step);
+    return playback->flight.state;
+}
+
+// Between two steps what is seen goes on evenly; states that are no steps are for looking at only.
+static PlaybackMoment moment_of_recording(Playback *playback, double t_s) {
+    double at = playback->first + fmax(t_s, 0.0) / playback->step_s + 1e-6;
+    int64_t step = (int64_t)fmin(at, (double)playback->end);
+    double share = at - (double)step;
+    PlaybackMoment moment = {.state = state_at(playback, step)};
+    moment.in_gap = recording_player_is_in_gap(playback->player);
+    if (share < 1e-4 || step >= playback->end || moment.in_gap)
+        return moment;
+    FlightState next = state_at(playback, step + 1);
+    moment.state.position_ecef = between(moment.state.position_ecef, next.position_ecef, share);
+    moment.state.velocity_ecef = between(moment.state.velocity_ecef, next.velocity_ecef, share);
+    moment.state.ecef_from_body = turned_between(moment.state.ecef_from_body, next.ecef_from_body, share);
+    return moment;
+}
+
+int64_t playback_first_difference(const Playback *playback) {
+    return playback->reader ? recording_player_first_difference(playback->player) : -1;
+}
+
+Result playback_verify(Playback *playback, RecordingVerdict *out) {
+    return playback->reader ? recording_verify(playback->reader, &playback->sim, out) : RESULT_UNSUPPORTED;
+}
+
 PlaybackMoment playback_at(Playback *playback, double t_s) {
-    return moment_of_track(playback, t_s);
+    return playback->reader ? moment_of_recording(playback, t_s) : moment_of_track(playback, t_s);
+}
+
+// ---- as a track ----
+
+static TrackPoint point_of(const Playback *playback, const PlaybackMoment *moment, double t_s, bool after_gap) {
+    Flight flight = playback->flight;
+    flight.state = moment->state;
+    FlightInstruments now = flight_instruments(&flight);
+    double lat_deg = now.lat_rad / GEODESY_RAD_PER_DEG, lon_deg = now.lon_rad / GEODESY_RAD_PER_DEG;
+    return (TrackPoint){.t_s = t_s,
+                        .at = {lat_deg, lon_deg, now.h_m - geoid_undulation_m(playback->geoid, lat_deg, lon_deg),
+                               now.heading_rad / GEODESY_RAD_PER_DEG, now.pitch_rad / GEODESY_RAD_PER_DEG},
+                        .bank_deg = now.bank_rad / GEODESY_RAD_PER_DEG,
+                        .flags = after_gap ? TRACK_GAP : 0};
+}
+
+static void fill_track(Playback *playback, double interval_s, int most, Track *out) {
+    bool was_gap = false;
+    for (int i = 0; i < most; i++) {
+        double t_s = fmin(i * interval_s, playback_duration_s(playback));
+        PlaybackMoment moment = playback_at(playback, t_s);
+        if (!moment.in_gap)
+            out->points[out->count++] = point_of(playback, &moment, t_s, was_gap);
+        was_gap = moment.in_gap;
+    }
+}
+
+Result playback_track(Playback *playback, double interval_s, Track *out) {
+    if (!playback->reader)
+        return RESULT_UNSUPPORTED;
+    const RecordingHeader *header = recording_reader_header(playback->reader);
+    double count = floor(playback_duration_s(playback) / interval_s + 1e-6) + 1.0;
+    int most = (int)fmin(count, TRACK_POINTS_MAX);
+    *out = (Track){.format = "ofr", .heights = TRACK_HEIGHTS_GEOID, .start_unix_s = NAN};
+    snprintf(out->name, sizeof out->name, "%.40s", header->environment[RECORDING_AIRCRAFT]);
+    if (track_time_read(header->environment[RECORDING_START_UTC], &out->start_unix_s))
+        out->start_unix_s += playback->first * playback->step_s;
+    out->points = calloc((size_t)most, sizeof *out->points);
+    if (!out->points) {
+        log_error("no memory for a track of %d points", most);
+        return RESULT_MEMORY;
+    }
+    fill_track(playback, interval_s, most, out);
+    return RESULT_OK;
 }

@@ -3,6 +3,8 @@
 // A Playback owns what it has read; one thread at a time.
 #pragma once
 #include "app/flight/flight_model.h"
+#include "app/recording/recording_header.h"
+#include "app/recording/recording_replay.h"
 #include "app/track/track_format.h"
 #include "input/controls.h"
 
@@ -15,11 +17,30 @@ typedef struct PlaybackMoment {
 
 typedef struct Playback Playback;
 
-// Errors of track_load. `how` is borrowed for the call, its geoid as long as the Playback lives.
-MUST_USE Result playback_open(const char *path, const TrackReading *how, Playback **out);
+typedef struct PlaybackOptions {
+    TrackReading how;    // its geoid is borrowed
+    FlightGround ground; // that recordings are flown over again
+    uint64_t dem_hash;   // of that ground
+} PlaybackOptions;
+
+// Whether the file is a recording of this program (.ofr), by what it begins with; what cannot be read is not.
+bool playback_is_recording(const char *path);
+// What a recording says of itself. Errors of recording_reader_open.
+MUST_USE Result playback_read_header(const char *path, RecordingHeader *out);
+
+// Errors of track_load, or of recording_reader_open and aircraft_load. What differs from where it was recorded is
+// warned of.
+MUST_USE Result playback_open(const char *path, const PlaybackOptions *options, Playback **out);
 void playback_close(Playback **playback);
 
 double playback_duration_s(const Playback *playback);
-const char *playback_format(const Playback *playback); // "igc"; static
-// Before the begin and after the end it stands still.
+const char *playback_format(const Playback *playback);       // "igc"; "ofr" of recordings; static
+const Aircraft *playback_aircraft(const Playback *playback); // of a recording, the playback's; NULL else
+// Before the begin and after the end it stands still. A recording is flown again, to the bit, from at most 10 s before.
 PlaybackMoment playback_at(Playback *playback, double t_s);
+// The first step seen so far that was flown otherwise than recorded; -1: none, or no recording.
+int64_t playback_first_difference(const Playback *playback);
+// Flies the whole recording again. UNSUPPORTED: none; else as recording_verify.
+MUST_USE Result playback_verify(Playback *playback, RecordingVerdict *out);
+// A track of it with a point every `interval_s`: of a recording; to be cleared. MEMORY; UNSUPPORTED: no recording.
+MUST_USE Result playback_track(Playback *playback, double interval_s, Track *out);
