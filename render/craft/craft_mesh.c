@@ -90,8 +90,12 @@ static Vec3f place(const CraftBuilder *builder, Vec3d point) {
 }
 
 void craft_builder_add_loft(CraftBuilder *builder, const Vec3d *rings, int count, int size) {
+    craft_builder_add_strip(builder, rings, count, size, 0, size);
+}
+
+void craft_builder_add_strip(CraftBuilder *builder, const Vec3d *rings, int count, int size, int from, int to) {
     for (int ring = 0; ring + 1 < count && !builder->failed; ring++) {
-        for (int i = 0; i < size; i++) {
+        for (int i = from; i < to; i++) {
             int next = (i + 1) % size;
             Vec3f a = place(builder, rings[ring * size + i]), b = place(builder, rings[ring * size + next]);
             Vec3f c = place(builder, rings[(ring + 1) * size + next]), d = place(builder, rings[(ring + 1) * size + i]);

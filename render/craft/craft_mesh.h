@@ -61,8 +61,10 @@ void craft_builder_end_piece(CraftBuilder *builder);
 // The finish of what is added from here on.
 void craft_builder_set_finish(CraftBuilder *builder, CraftFinish finish);
 
-// Joins rings of `size` points each, closed rings, with triangles. rings[ring * size + i].
+// Joins closed rings of `size` points each with triangles. rings[ring * size + i].
 void craft_builder_add_loft(CraftBuilder *builder, const Vec3d *rings, int count, int size);
+// The part of it between the rings' points `from` and `to`; the last point is followed by the first.
+void craft_builder_add_strip(CraftBuilder *builder, const Vec3d *rings, int count, int size, int from, int to);
 // Fills a plane ring, which may be concave but not cross itself; `last`: as the end of a loft, else as its beginning.
 void craft_builder_add_cap(CraftBuilder *builder, const Vec3d *ring, int size, bool last);
 

@@ -2,6 +2,8 @@
 
 #include "base/log.h"
 
+#include <string.h>
+
 static bool folds(const CraftLeg *leg) {
     return vec3d_length(leg->fold_axis) > 0.0;
 }
@@ -111,6 +113,14 @@ Result craft_model_create(const CraftShape *shape, CraftModel *model) {
 void craft_model_free(CraftModel *model) {
     craft_mesh_free(&model->mesh);
     *model = (CraftModel){0};
+}
+
+int craft_list_marks(const CraftShape *shape, CraftMark marks[CRAFT_MARKS_MAX]) {
+    int count = shape->mark_count;
+    memcpy(marks, shape->marks, (size_t)count * sizeof marks[0]);
+    count += craft_mark_seams(&shape->wing, CRAFT_ON_WING, CRAFT_MARKS_MAX - count, marks + count);
+    count += craft_mark_seams(&shape->tail, CRAFT_ON_TAIL, CRAFT_MARKS_MAX - count, marks + count);
+    return count + craft_mark_seams(&shape->fin, CRAFT_ON_FIN, CRAFT_MARKS_MAX - count, marks + count);
 }
 
 double craft_joint_angle_rad(const CraftModel *model, CraftJoint joint, const CraftPose *pose) {

@@ -25,6 +25,9 @@ typedef struct CraftModel {
 MUST_USE Result craft_model_create(const CraftShape *shape, CraftModel *model);
 void craft_model_free(CraftModel *model);
 
+// All that is painted: the shape's marks and the seams of its controls; how many.
+int craft_list_marks(const CraftShape *shape, CraftMark marks[CRAFT_MARKS_MAX]);
+
 // How the moving parts stand. Signs are those of what the aircraft does.
 typedef struct CraftPose {
     double aileron_rad;   // > 0 rolls to the right: the right one's trailing edge up, the left one's down

@@ -14,6 +14,8 @@ typedef struct CraftHinge {
 void craft_add_wing(CraftBuilder *builder, const CraftWing *wing, CraftSurface surface, bool mirror,
                     CraftHinge *hinges);
 void craft_add_fin(CraftBuilder *builder, const CraftWing *fin, CraftHinge *hinges);
+// Lines where controls meet the wing: drawn, because gaps finer than a pixel would flicker. At most `room`; how many.
+int craft_mark_seams(const CraftWing *wing, CraftSurface surface, int room, CraftMark *marks);
 void craft_add_body(CraftBuilder *builder, const CraftBody *body, bool mirror);
 void craft_add_strut(CraftBuilder *builder, const CraftStrut *strut, bool mirror);
 void craft_add_leg(CraftBuilder *builder, const CraftLeg *leg, CraftJoint joint, bool mirror);

@@ -8,6 +8,7 @@
 
 #include <stddef.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define CRAFT_BLOCK_BINDING 3 // shaders/craft.glsl
 
@@ -105,26 +106,29 @@ static Result make_model(CraftKind kind, DrawnModel *drawn) {
     return RESULT_OK;
 }
 
+static void put_mark(CraftBlock *block, int i, const CraftMark *mark) {
+    for (int corner = 0; corner < 4; corner++)
+        for (int axis = 0; axis < 2; axis++)
+            block->corners[i][corner / 2][corner % 2 * 2 + axis] = mark->corners[corner][axis];
+    block->figures[i][0] = mark->round_m;
+    block->figures[i][1] = mark->line_m;
+    block->figures[i][2] = mark->strength;
+    block->kinds[i][0] = (int32_t)mark->surfaces;
+    block->kinds[i][1] = mark->from_above;
+    block->kinds[i][2] = (int32_t)mark->finish;
+}
+
 static void put_paint(CraftBlock *block, const CraftShape *shape) {
+    CraftMark marks[CRAFT_MARKS_MAX];
+    int count = craft_list_marks(shape, marks);
     for (int i = 0; i < CRAFT_FINISH_COUNT; i++) {
         const CraftColour *colour = &shape->finishes[i];
         const float values[4] = {colour->red, colour->green, colour->blue, colour->gloss};
-        for (int j = 0; j < 4; j++)
-            block->finishes[i][j] = values[j];
+        memcpy(block->finishes[i], values, sizeof values);
     }
-    for (int i = 0; i < shape->mark_count; i++) {
-        const CraftMark *mark = &shape->marks[i];
-        for (int corner = 0; corner < 4; corner++)
-            for (int axis = 0; axis < 2; axis++)
-                block->corners[i][corner / 2][corner % 2 * 2 + axis] = mark->corners[corner][axis];
-        block->figures[i][0] = mark->round_m;
-        block->figures[i][1] = mark->line_m;
-        block->figures[i][2] = mark->strength;
-        block->kinds[i][0] = (int32_t)mark->surfaces;
-        block->kinds[i][1] = mark->from_above;
-        block->kinds[i][2] = (int32_t)mark->finish;
-    }
-    block->counts[0] = shape->mark_count;
+    for (int i = 0; i < count; i++)
+        put_mark(block, i, &marks[i]);
+    block->counts[0] = count;
 }
 
 static void put_vector(float out[4], Vec3d v, double w) {
@@ -181,6 +185,7 @@ static void draw_disc(const CraftModel *model, const CraftPose *pose) {
 static void draw_model(CraftPass *pass, const DrawnModel *drawn, const CraftPose *pose) {
     glNamedBufferSubData(pass->block_buffer, 0, sizeof pass->block, &pass->block);
     glBindBufferBase(GL_UNIFORM_BUFFER, CRAFT_BLOCK_BINDING, pass->block_buffer);
+    glDepthFunc(GL_GREATER);
     glUseProgram(pass->program);
     glBindVertexArray(drawn->vertex_array);
     draw_range(&drawn->model, CRAFT_RANGE_AIRFRAME, pose);

@@ -11,6 +11,6 @@ MUST_USE Result craft_pass_create(CraftPass **out);
 void craft_pass_destroy(CraftPass **pass);
 
 // Into the bound framebuffer, over what is there: the frame block and the tables of the air are bound. Builds the
-// kind's model when it is first drawn. Leaves blending off, and depth and culling as scene_draw has them. MEMORY:
+// kind's model when it is first drawn. Sets the test of depth; leaves blending off. MEMORY:
 // nothing is drawn.
 MUST_USE Result craft_pass_draw(CraftPass *pass, const Frame *frame, const RenderCraft *craft);

@@ -15,9 +15,7 @@ enum {
     RINGS_MAX = CRAFT_STATIONS_MAX + TIP_RINGS + 2,
     SIZE_MAX_RING = FULL_SIZE > FRONT_SIZE ? FULL_SIZE : FRONT_SIZE,
 };
-#define LIP_GAP 0.008       // of the chord, from the lip to the hinge line
-#define CONTROL_GAP_M 0.008 // at either end of a control
-#define WHOLE_SPLIT 0.7     // where no control asks for another
+#define WHOLE_SPLIT 0.7 // where no control asks for another
 
 // Shares of the chord: x backwards from the leading edge, z up.
 typedef struct Point {
@@ -56,7 +54,7 @@ static Point skin(const CraftWing *wing, double thickness, double x, double side
 }
 
 static double lip_of(const CraftWing *wing) {
-    return wing->hinge > 0.0 ? wing->hinge - LIP_GAP : WHOLE_SPLIT;
+    return wing->hinge > 0.0 ? wing->hinge : WHOLE_SPLIT;
 }
 
 // Dense at the nose, where the section is most curved.
@@ -193,6 +191,17 @@ static int list_tip(const CraftWing *wing, CraftStation *sections) {
     return TIP_RINGS;
 }
 
+// What is seen of a control's nose and of the cove around it is dark: it is a gap, which no sun reaches.
+static void add_skin(CraftBuilder *builder, Profile profile, const Vec3d *rings, int count, int size) {
+    int arc = profile == PROFILE_WHOLE ? size : profile == PROFILE_FRONT ? 2 * FRONT_STEPS : REAR_STEPS;
+    int end = profile == PROFILE_WHOLE ? size : arc + ARC_POINTS + 1;
+    craft_builder_add_strip(builder, rings, count, size, 0, arc);
+    craft_builder_set_finish(builder, CRAFT_LINE);
+    craft_builder_add_strip(builder, rings, count, size, arc, end);
+    craft_builder_set_finish(builder, CRAFT_PAINT);
+    craft_builder_add_strip(builder, rings, count, size, end, size);
+}
+
 static void add_piece(CraftBuilder *builder, const Half *half, CraftJoint joint, Profile profile,
                       const CraftStation *sections, int count, bool tip) {
     Vec3d rings[RINGS_MAX * SIZE_MAX_RING];
@@ -201,7 +210,7 @@ static void add_piece(CraftBuilder *builder, const Half *half, CraftJoint joint,
         size = place_ring(half, &sections[i], profile, rings + i * size);
     const CraftPieceSpec spec = spec_of(half, joint);
     craft_builder_begin_piece(builder, &spec);
-    craft_builder_add_loft(builder, rings, count, size);
+    add_skin(builder, profile, rings, count, size);
     craft_builder_add_cap(builder, rings, size, false);
     if (!tip)
         craft_builder_add_cap(builder, rings + (count - 1) * size, size, true);
@@ -256,7 +265,7 @@ static CraftHinge hinge_of(const Half *half, const CraftControl *control) {
 static void add_control(CraftBuilder *builder, const Half *half, const CraftControl *control, CraftHinge *hinges) {
     CraftJoint joint = joint_of(control->kind, half->mirror);
     CraftStation sections[RINGS_MAX];
-    int count = list_sections(half->wing, control->from_m + CONTROL_GAP_M, control->to_m - CONTROL_GAP_M, sections);
+    int count = list_sections(half->wing, control->from_m, control->to_m, sections);
     add_piece(builder, half, joint, PROFILE_REAR, sections, count, false);
     hinges[joint] = hinge_of(half, control);
 }
@@ -273,6 +282,34 @@ static void add_half(CraftBuilder *builder, const Half *half, CraftHinge *hinges
         done_m = control->to_m;
     }
     add_tip(builder, half, done_m);
+}
+
+// The side of a control's outline that lies behind the trailing edge is not seen.
+#define BEHIND 0.3 // of the chord
+#define SEAM_M 0.011f
+
+static void put_corner(const Half *half, double across_m, double share, float corner[2]) {
+    const CraftStation station = station_at(half->wing, across_m);
+    corner[0] = (float)(station.x_m - share * station.chord_m);
+    corner[1] = (float)(half->upright ? -across_m : across_m);
+}
+
+int craft_mark_seams(const CraftWing *wing, CraftSurface surface, int room, CraftMark *marks) {
+    const Half half = {.wing = wing, .upright = surface == CRAFT_ON_FIN};
+    int count = wing->control_count < room ? wing->control_count : room;
+    for (int i = 0; i < count; i++) {
+        const CraftControl *control = &wing->controls[i];
+        marks[i] = (CraftMark){.surfaces = (unsigned)surface,
+                               .from_above = !half.upright,
+                               .finish = CRAFT_LINE,
+                               .line_m = SEAM_M,
+                               .strength = 0.7f};
+        put_corner(&half, control->from_m, wing->hinge, marks[i].corners[0]);
+        put_corner(&half, control->to_m, wing->hinge, marks[i].corners[1]);
+        put_corner(&half, control->to_m, 1.0 + BEHIND, marks[i].corners[2]);
+        put_corner(&half, control->from_m, 1.0 + BEHIND, marks[i].corners[3]);
+    }
+    return count;
 }
 
 void craft_add_wing(CraftBuilder *builder, const CraftWing *wing, CraftSurface surface, bool mirror,

@@ -14,7 +14,7 @@ layout(location = 3) flat in uvec2 at_kind;
 
 layout(location = 0) out vec4 colour;
 
-const float GROUND_ALBEDO = 0.11; // of land seen from above, on average
+const vec3 GROUND_ALBEDO = vec3(0.105, 0.112, 0.080); // of land seen from above, on average
 
 // Distance from a quadrilateral, negative inside; metres.
 float quadrilateral_distance(vec2 p, vec4 first, vec4 second) {
@@ -54,7 +54,9 @@ Paint paint_here() {
     Paint paint = Paint(finish.rgb, finish.a, int(at_kind.x) == CRAFT_GLASS ? 1.0 : 0.0);
     vec2 side = at_body.xz, above = vec2(at_body.x, abs(at_body.y));
     float side_wide = max(length(fwidth(side)), 1e-4), above_wide = max(length(fwidth(above)), 1e-4);
-    for (int i = 0; i < craft.counts.x; i++) {
+    int finish_at = int(at_kind.x);
+    int count = finish_at == CRAFT_DARK || finish_at == CRAFT_LINE ? 0 : craft.counts.x; // no paint in pipes and gaps
+    for (int i = 0; i < count; i++) {
         ivec4 kind = craft.kinds[i];
         if ((uint(kind.x) & at_kind.y) == 0u)
             continue;
@@ -115,7 +117,7 @@ float disc_share() {
     float blade = pow(0.5 + 0.5 * cos(turn * craft.disc.w), 3.0);
     float rim = smoothstep(1.0, 0.96, along);
     float tip = smoothstep(0.90, 0.92, along) * 0.10;
-    return craft.disc.y * rim * (mix(0.20, 0.05, along) + 0.10 * blade + tip);
+    return craft.disc.y * rim * (mix(0.16, 0.04, along) + 0.08 * blade + tip);
 }
 
 void main() {

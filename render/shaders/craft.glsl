@@ -1,7 +1,7 @@
 // Uniforms of the aircraft; the twin of render/craft/craft_pass.c.
 // Body axes: x ahead, y right, z down; metres.
 const int CRAFT_JOINTS = 12, CRAFT_FINISHES = 10, CRAFT_MARKS = 32;
-const int CRAFT_GLASS = 3, CRAFT_DISC = 9; // as render/craft/craft_shape.h has them
+const int CRAFT_GLASS = 3, CRAFT_DARK = 6, CRAFT_LINE = 7, CRAFT_DISC = 9; // as render/craft/craft_shape.h has them
 
 layout(std140, binding = 3) uniform CraftBlock {
     vec4 rows[CRAFT_JOINTS * 3];      // from a joint's vertices to metres from the eye, ECEF axes
