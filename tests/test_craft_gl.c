@@ -147,7 +147,223 @@ static void draw(Stage *stage, RenderPacket *packet) {
     assert_int_equal(gl_take_error(), GL_NO_ERROR);
 }
 
-//TESTS
+// --- where it is
+
+static Shot plain_shot(int kind, double distance_m) {
+    return (Shot){.kind = (CraftKind)kind,
+                  .heading_rad = 0.8,
+                  .bank_rad = 0.3,
+                  .bearing_rad = 1.9,
+                  .elevation_rad = 0.25,
+                  .distance_m = distance_m,
+                  .sun_azimuth_rad = 2.0,
+                  .sun_elevation_rad = 0.8,
+                  .pose = {.gear = 1.0, .elevator_rad = 0.2, .flaps_rad = 0.4}};
+}
+
+typedef struct Point {
+    double x, y; // pixels from the top left corner
+} Point;
+
+static Point project(const RenderPacket *packet, Vec3d from_eye) {
+    Vec3d at = mat3d_mul_vec(&packet->camera.camera_from_ecef, from_eye);
+    double px = HEIGHT / (2.0 * tan(FOV_RAD * 0.5));
+    return (Point){0.5 * WIDTH + px * at.x / -at.z, 0.5 * HEIGHT - px * at.y / -at.z};
+}
+
+static double side_of(Point a, Point b, Point p) {
+    return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);
+}
+
+// Pixels whose middle is inside; both ways round, as a solid's back covers what its front does.
+static void fill_triangle(const Point p[3], uint8_t *mask) {
+    int left = (int)fmax(floor(fmin(p[0].x, fmin(p[1].x, p[2].x))), 0.0);
+    int right = (int)fmin(ceil(fmax(p[0].x, fmax(p[1].x, p[2].x))), WIDTH - 1);
+    int top = (int)fmax(floor(fmin(p[0].y, fmin(p[1].y, p[2].y))), 0.0);
+    int bottom = (int)fmin(ceil(fmax(p[0].y, fmax(p[1].y, p[2].y))), HEIGHT - 1);
+    for (int y = top; y <= bottom; y++) {
+        for (int x = left; x <= right; x++) {
+            Point at = {x + 0.5, y + 0.5};
+            double a = side_of(p[0], p[1], at), b = side_of(p[1], p[2], at), c = side_of(p[2], p[0], at);
+            if ((a >= 0.0 && b >= 0.0 && c >= 0.0) || (a <= 0.0 && b <= 0.0 && c <= 0.0))
+                mask[y * WIDTH + x] = 1;
+        }
+    }
+}
+
+// What the aircraft covers, by a drawing of the test's own from the same mesh and in double.
+static void fill_expected(const RenderPacket *packet, uint8_t *mask) {
+    CraftModel model;
+    const RenderCraft *craft = &packet->craft;
+    Vec3d from_eye = vec3d_sub(craft->position_ecef, packet->camera.eye_ecef);
+    assert_int_equal(craft_model_create(craft_shape(craft->kind), &model), RESULT_OK);
+    memset(mask, 0, WIDTH * HEIGHT);
+    for (int i = 0; i + 2 < model.mesh.index_count; i += 3) {
+        Point points[3];
+        for (int j = 0; j < 3; j++) {
+            const CraftVertex *vertex = &model.mesh.vertices[model.mesh.indices[i + j]];
+            const CraftHinge *hinge = &model.hinges[vertex->joint];
+            double angle = craft_joint_angle_rad(&model, (CraftJoint)vertex->joint, &craft->pose);
+            Vec3d at = vec3d_sub(vec3d(vertex->position[0], vertex->position[1], vertex->position[2]), hinge->at);
+            at = vec3d_add(quatd_rotate(quatd_from_axis_angle(hinge->axis, angle), at), hinge->at);
+            points[j] = project(packet, vec3d_add(from_eye, quatd_rotate(craft->ecef_from_body, at)));
+        }
+        bool disc = model.mesh.vertices[model.mesh.indices[i]].finish == CRAFT_DISC;
+        if (!disc)
+            fill_triangle(points, mask);
+    }
+    craft_model_free(&model);
+}
+
+typedef struct Overlap {
+    int expected, found, differing;
+} Overlap;
+
+static Overlap compare_with_expected(Stage *stage, RenderPacket *packet) {
+    uint8_t *empty = malloc(WIDTH * HEIGHT * 3), *mask = malloc(WIDTH * HEIGHT);
+    assert_true(empty && mask);
+    packet->craft.show = false;
+    draw(stage, packet);
+    memcpy(empty, stage->rgb, WIDTH * HEIGHT * 3);
+    packet->craft.show = true;
+    draw(stage, packet);
+    fill_expected(packet, mask);
+    Overlap overlap = {0};
+    for (int i = 0; i < WIDTH * HEIGHT; i++) {
+        bool found = memcmp(empty + i * 3, stage->rgb + i * 3, 3) != 0;
+        overlap.expected += mask[i];
+        overlap.found += found;
+        overlap.differing += found != (mask[i] != 0);
+    }
+    free(empty);
+    free(mask);
+    return overlap;
+}
+
+static void it_covers_the_pixels_it_should(void **state) {
+    (void)state;
+    static const DemGeoref elsewhere = {
+        .crs = DEM_CRS_GEOGRAPHIC, .x0 = 179.93, .y0 = 0.05, .dx = 1.0 / 1200, .dy = -1.0 / 1200};
+    const DemGeoref *georefs[] = {&GEOREF, &elsewhere}; // the latter on the equator, up to the antimeridian
+    for (size_t place = 0; place < COUNT_OF(georefs); place++) {
+        Stage stage = stage_rough(georefs[place]);
+        for (int kind = 0; kind < CRAFT_KIND_COUNT; kind++) {
+            for (double distance_m = 20.0; distance_m < 50.0; distance_m += 20.0) {
+                const Shot shot = plain_shot(kind, distance_m);
+                RenderPacket packet = packet_of(&shot, support_eye(stage.terrain, 64.0, 64.0, 1500.0));
+                Overlap overlap = compare_with_expected(&stage, &packet);
+                print_message("%s at %.0f m: %d pixels, %d expected, %d differ\n", craft_shape(shot.kind)->name,
+                              distance_m, overlap.found, overlap.expected, overlap.differing);
+                assert_true(overlap.expected > 300);
+                assert_true(overlap.differing <= overlap.expected / 50);
+            }
+        }
+        stage_end(&stage);
+    }
+}
+
+static void the_ground_hides_it(void **state) {
+    (void)state;
+    Stage stage = stage_rough(&GEOREF);
+    Shot shot = plain_shot(CRAFT_C172, 100.0);
+    shot.elevation_rad = 1.2;
+    RenderPacket packet = packet_of(&shot, support_eye(stage.terrain, 64.0, 64.0, -60.0));
+    Overlap overlap = compare_with_expected(&stage, &packet);
+    print_message("%d pixels of an aircraft under the ground, %d without a ground\n", overlap.found, overlap.expected);
+    assert_true(overlap.expected > 100);
+    assert_int_equal(overlap.found, 0);
+    stage_end(&stage);
+}
+
+// --- what it costs
+
+static int count_programs(void) {
+    int count = 0;
+    for (GLuint name = 1; name < 4096; name++)
+        count += glIsProgram(name) != 0;
+    return count;
+}
+
+static void not_shown_it_costs_nothing(void **state) {
+    (void)state;
+    const size_t bytes = (size_t)WIDTH * HEIGHT * 3;
+    Stage plain = stage_rough(&GEOREF), stage = stage_rough(&GEOREF);
+    const Shot shot = plain_shot(CRAFT_JET_TRAINER, 25.0);
+    RenderPacket packet = packet_of(&shot, support_eye(stage.terrain, 64.0, 64.0, 1500.0)), without = packet;
+    memset(&without.craft, 0, sizeof without.craft);
+    draw(&plain, &without);
+    packet.craft.show = false;
+    int before = count_programs();
+    draw(&stage, &packet);
+    int hidden = count_programs() - before;
+    assert_memory_equal(plain.rgb, stage.rgb, bytes);
+    packet.craft.show = true;
+    draw(&stage, &packet);
+    int shown = count_programs() - before;
+    assert_memory_not_equal(plain.rgb, stage.rgb, bytes);
+    packet.craft.show = false;
+    draw(&stage, &packet); // and leaves nothing behind
+    assert_memory_equal(plain.rgb, stage.rgb, bytes);
+    print_message("programs made: %d while hidden, %d when shown\n", hidden, shown);
+    assert_int_equal(hidden, 0);
+    assert_int_equal(shown, 1);
+    stage_end(&plain);
+    stage_end(&stage);
+}
+
+static void one_pose_has_one_picture(void **state) {
+    (void)state;
+    const size_t bytes = (size_t)WIDTH * HEIGHT * 3;
+    Stage first = stage_rough(&GEOREF), second = stage_rough(&GEOREF);
+    for (int kind = 0; kind < CRAFT_KIND_COUNT; kind++) { // the second has shown others, with a turning propeller
+        Shot other = plain_shot(kind, 30.0);
+        other.pose.rpm = 2000.0;
+        RenderPacket packet = packet_of(&other, support_eye(second.terrain, 60.0, 64.0, 1500.0));
+        packet.wireframe = kind == 1;
+        draw(&second, &packet);
+    }
+    Shot shot = plain_shot(CRAFT_C172, 14.0);
+    shot.pose.rpm = 1000.0;
+    RenderPacket packet = packet_of(&shot, support_eye(first.terrain, 64.0, 64.0, 1500.0));
+    draw(&first, &packet);
+    draw(&second, &packet);
+    assert_memory_equal(first.rgb, second.rgb, bytes);
+    stage_end(&first);
+    stage_end(&second);
+}
+
+// Its sunny side is the brighter one.
+static double mean_brightness(Stage *stage, double sun_azimuth_rad) {
+    Shot shot = plain_shot(CRAFT_GLIDER, 20.0);
+    shot.bank_rad = 0.0;
+    shot.elevation_rad = 0.0;
+    shot.bearing_rad = 90.0 * DEG;
+    shot.sun_azimuth_rad = sun_azimuth_rad;
+    shot.sun_elevation_rad = 0.35;
+    RenderPacket packet = packet_of(&shot, support_eye(stage->terrain, 64.0, 64.0, 1500.0));
+    uint8_t *mask = malloc(WIDTH * HEIGHT);
+    assert_non_null(mask);
+    draw(stage, &packet);
+    fill_expected(&packet, mask);
+    double sum = 0.0;
+    int count = 0;
+    for (int i = 0; i < WIDTH * HEIGHT; i++) {
+        sum += mask[i] ? stage->rgb[i * 3] : 0.0;
+        count += mask[i];
+    }
+    free(mask);
+    return sum / count;
+}
+
+static void it_is_brighter_towards_the_sun(void **state) {
+    (void)state;
+    Stage stage = stage_rough(&GEOREF);
+    double heading = plain_shot(CRAFT_GLIDER, 20.0).heading_rad;
+    double lit = mean_brightness(&stage, heading + 90.0 * DEG), shade = mean_brightness(&stage, heading - 90.0 * DEG);
+    print_message("red, of 255: %.1f in the sun, %.1f against it\n", lit, shade);
+    assert_true(lit > shade + 30.0);
+    stage_end(&stage);
+}
 
 // --- pictures to look at
 
@@ -160,7 +376,7 @@ static const struct {
     double bearing_deg, elevation_deg, distance_m, sun_azimuth_deg, sun_elevation_deg;
     bool slow;
 } PICTURES[] = {
-    {"ahead-right", 40, 12, 14, 20, 40, false},  {"ahead", 2, 3, 13, 60, 35, false},
+    {"ahead-right", 40, 12, 14, 20, 40, false},   {"ahead", 2, 3, 13, 60, 35, false},
     {"behind-left", 215, 15, 15, 280, 30, false}, {"behind", 180, 8, 16, 200, 50, true},
     {"above", 150, 70, 17, 100, 45, false},       {"below", 60, -35, 15, 100, 45, true},
     {"right", 90, 0, 13, 120, 30, false},         {"backlit", 120, 5, 15, 300, 12, false},
@@ -200,11 +416,19 @@ static void write_pictures(const char *folder, const char *only) {
 }
 
 int main(int argc, char **argv) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(it_covers_the_pixels_it_should), cmocka_unit_test(the_ground_hides_it),
+        cmocka_unit_test(not_shown_it_costs_nothing),     cmocka_unit_test(one_pose_has_one_picture),
+        cmocka_unit_test(it_is_brighter_towards_the_sun),
+    };
     Context *context = NULL;
+    int failed = 0;
     if (!gl_support_begin(16, 16, &context))
         return GL_SKIP_STATUS;
     if (argc >= 3 && strcmp(argv[1], "--pictures") == 0)
         write_pictures(argv[2], argc > 3 ? argv[3] : NULL);
+    else
+        failed = cmocka_run_group_tests(tests, NULL, NULL);
     context_destroy(&context);
-    return 0;
+    return failed;
 }

@@ -4,7 +4,7 @@
 
 enum {
     RING_SIZE = 40,
-    STEPS = 5, // between sections
+    STEPS = 4, // between sections
     RINGS_MAX = (CRAFT_SECTIONS_MAX - 1) * STEPS + 1,
     VALUES = 5,
 };

@@ -2,7 +2,7 @@
 
 #define PI 3.14159265358979323846
 
-enum { STRUT_SIZE = 16, WHEEL_SIZE = 36, BLADE_SIZE = 16, BLADE_RINGS = 9, DISC_SIZE = 64 };
+enum { STRUT_SIZE = 16, WHEEL_SIZE = 30, BLADE_SIZE = 16, BLADE_RINGS = 9, DISC_SIZE = 64 };
 
 // A streamlined bar.
 static void add_bar(CraftBuilder *builder, Vec3d from, Vec3d to, double chord_m, double thickness_m) {

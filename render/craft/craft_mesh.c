@@ -83,10 +83,12 @@ static void add_triangle(CraftBuilder *builder, Vec3f a, Vec3f b, Vec3f c) {
     builder->pieces[builder->piece_count - 1].count++;
 }
 
-// -0 becomes 0, so that equal points have equal bits.
+// -0 becomes 0, and what is meant to be on the plane of symmetry is on it, so that equal points have equal bits.
 static Vec3f place(const CraftBuilder *builder, Vec3d point) {
-    double side = builder->pieces[builder->piece_count - 1].spec.mirror ? -1.0 : 1.0;
-    return (Vec3f){(float)point.x + 0.0f, (float)(side * point.y) + 0.0f, (float)point.z + 0.0f};
+    double y = fabs(point.y) < 1e-9 ? 0.0 : point.y;
+    if (builder->pieces[builder->piece_count - 1].spec.mirror)
+        y = -y;
+    return (Vec3f){(float)point.x + 0.0f, (float)y + 0.0f, (float)point.z + 0.0f};
 }
 
 void craft_builder_add_loft(CraftBuilder *builder, const Vec3d *rings, int count, int size) {
