@@ -374,7 +374,7 @@ static void every_seam_has_room(void **state) {
         print_message("%s: %d marks\n", shape->name, expected);
         assert_int_equal(craft_list_marks(shape, marks), expected);
         for (int i = 0; i < expected; i++)
-            assert_true(marks[i].surfaces != 0 && marks[i].strength > 0.0f);
+            assert_true(marks[i].surface < CRAFT_SURFACE_COUNT && marks[i].strength > 0.0f);
     }
 }
 

@@ -11,6 +11,7 @@ MUST_USE Result craft_pass_create(CraftPass **out);
 void craft_pass_destroy(CraftPass **pass);
 
 // Into the bound framebuffer, over what is there: the frame block and the tables of the air are bound. Builds the
-// kind's model when it is first drawn. Sets the test of depth; leaves blending off. MEMORY:
+// kind's model when it is first drawn. Scissors are on before and after. Sets the test
+// of depth; leaves blending off. MEMORY:
 // nothing is drawn.
 MUST_USE Result craft_pass_draw(CraftPass *pass, const Frame *frame, const RenderCraft *craft);

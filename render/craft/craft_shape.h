@@ -32,15 +32,16 @@ typedef struct CraftColour {
     float gloss;            // 0 dull .. 1 polished
 } CraftColour;
 
-// Where marks of paint go: bits.
+// Where marks of paint go.
 typedef enum CraftSurface {
-    CRAFT_ON_BODY = 1,
-    CRAFT_ON_WING = 2,
-    CRAFT_ON_TAIL = 4,
-    CRAFT_ON_FIN = 8,
-    CRAFT_ON_PODS = 16, // tanks, intakes, fairings
-    CRAFT_ON_CANOPY = 32,
-    CRAFT_ON_REST = 64,
+    CRAFT_ON_BODY,
+    CRAFT_ON_WING,
+    CRAFT_ON_TAIL,
+    CRAFT_ON_FIN,
+    CRAFT_ON_PODS, // tanks, intakes, fairings
+    CRAFT_ON_CANOPY,
+    CRAFT_ON_REST,
+    CRAFT_SURFACE_COUNT
 } CraftSurface;
 
 // A section of a wing, tail or fin.
@@ -118,10 +119,10 @@ typedef struct CraftPropeller {
 
 // A painted figure: a quadrilateral in the side view (x, z) or the top view (x, |y|), rounded, filled or outlined.
 typedef struct CraftMark {
-    unsigned surfaces; // CraftSurface bits
+    CraftSurface surface;
     bool from_above;
     CraftFinish finish;
-    float corners[4][2]; // in either order; metres
+    float corners[4][2]; // of a convex one, in either order; metres
     float round_m;       // grows the quadrilateral with rounded corners
     float line_m;        // 0: filled; else the outline's width
     float strength;      // 0 .. 1

@@ -299,11 +299,8 @@ int craft_mark_seams(const CraftWing *wing, CraftSurface surface, int room, Craf
     int count = wing->control_count < room ? wing->control_count : room;
     for (int i = 0; i < count; i++) {
         const CraftControl *control = &wing->controls[i];
-        marks[i] = (CraftMark){.surfaces = (unsigned)surface,
-                               .from_above = !half.upright,
-                               .finish = CRAFT_LINE,
-                               .line_m = SEAM_M,
-                               .strength = 0.7f};
+        marks[i] = (CraftMark){
+            .surface = surface, .from_above = !half.upright, .finish = CRAFT_LINE, .line_m = SEAM_M, .strength = 0.7f};
         put_corner(&half, control->from_m, wing->hinge, marks[i].corners[0]);
         put_corner(&half, control->to_m, wing->hinge, marks[i].corners[1]);
         put_corner(&half, control->to_m, 1.0 + BEHIND, marks[i].corners[2]);

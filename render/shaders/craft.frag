@@ -1,37 +1,22 @@
 #version 450 core
 // An aircraft under sun and sky, through the air: painted metal, and glass that mirrors the sky. In: see craft.vert.
 // Out: the picture as displayed; alpha below 1 for a turning propeller. Bindings: blocks 0, 3; textures 8-9
-// (aerial.glsl).
+// (aerial.glsl), 14 depths seen from the sun.
 #include "frame.glsl"
 #include "aerial.glsl"
 #include "craft.glsl"
 #include "tone.glsl"
 
+layout(binding = 14) uniform sampler2DShadow shadow_map;
+
 layout(location = 0) in vec3 at_m;
 layout(location = 1) in vec3 at_body;
 layout(location = 2) in vec3 at_normal;
-layout(location = 3) flat in uvec2 at_kind;
+layout(location = 3) flat in uvec2 at_kind; // finish, surface
 
 layout(location = 0) out vec4 colour;
 
 const vec3 GROUND_ALBEDO = vec3(0.105, 0.112, 0.080); // of land seen from above, on average
-
-// Distance from a quadrilateral, negative inside; metres.
-float quadrilateral_distance(vec2 p, vec4 first, vec4 second) {
-    vec2 corner[5] = vec2[5](first.xy, first.zw, second.xy, second.zw, first.xy);
-    float nearest = 1e9, left = -1e9, right = -1e9;
-    for (int i = 0; i < 4; i++) {
-        vec2 edge = corner[i + 1] - corner[i], to = p - corner[i];
-        float along = clamp(dot(to, edge) / dot(edge, edge), 0.0, 1.0);
-        vec2 apart = to - edge * along;
-        float turn = edge.x * to.y - edge.y * to.x;
-        nearest = min(nearest, dot(apart, apart));
-        left = max(left, turn);
-        right = max(right, -turn);
-    }
-    float inside = min(left, right); // negative where the point is on one side of all edges
-    return inside < 0.0 ? -sqrt(nearest) : sqrt(nearest);
-}
 
 struct Paint {
     vec3 albedo;
@@ -39,14 +24,15 @@ struct Paint {
     float glass; // share
 };
 
-// What a mark covers of a pixel that is `wide` metres across.
+// What a mark covers of a pixel that is `wide` metres across. A corner is where two sides' distances count together.
 float mark_share(int i, vec2 p, float wide) {
     vec4 figure = craft.figures[i];
-    float away = quadrilateral_distance(p, craft.corners[2 * i], craft.corners[2 * i + 1]) - figure.x;
-    if (figure.y > 0.0)
-        away = abs(away) - 0.5 * figure.y;
+    vec4 sides = p.x * craft.sides[3 * i] + p.y * craft.sides[3 * i + 1] + craft.sides[3 * i + 2];
+    float corner = max(figure.x, wide + figure.y); // inside, distances are known up to here
+    float away = length(max(sides + corner, 0.0)) - corner;
+    float outline = abs(away) - 0.5 * figure.y;
     float thin = figure.y > 0.0 ? min(figure.y / wide, 1.0) : 1.0; // finer than a pixel: a paler line
-    return clamp(0.5 - away / wide, 0.0, 1.0) * thin * figure.z;
+    return clamp(0.5 - (figure.y > 0.0 ? outline : away) / wide, 0.0, 1.0) * thin * figure.z;
 }
 
 Paint paint_here() {
@@ -55,16 +41,16 @@ Paint paint_here() {
     vec2 side = at_body.xz, above = vec2(at_body.x, abs(at_body.y));
     float side_wide = max(length(fwidth(side)), 1e-4), above_wide = max(length(fwidth(above)), 1e-4);
     int finish_at = int(at_kind.x);
-    int count = finish_at == CRAFT_DARK || finish_at == CRAFT_LINE ? 0 : craft.counts.x; // no paint in pipes and gaps
-    for (int i = 0; i < count; i++) {
+    bool bare = finish_at == CRAFT_DARK || finish_at == CRAFT_LINE; // no paint in pipes and gaps
+    ivec2 range = bare ? ivec2(0) : craft.ranges[at_kind.y].xy;
+    for (int i = range.x; i < range.y; i++) {
         ivec4 kind = craft.kinds[i];
-        if ((uint(kind.x) & at_kind.y) == 0u)
-            continue;
-        float share = mark_share(i, kind.y != 0 ? above : side, kind.y != 0 ? above_wide : side_wide);
-        vec4 over = craft.finishes[kind.z];
+        bool top = kind.x != 0;
+        float share = mark_share(i, top ? above : side, top ? above_wide : side_wide);
+        vec4 over = craft.finishes[kind.y];
         paint.albedo = mix(paint.albedo, over.rgb, share);
         paint.gloss = mix(paint.gloss, over.a, share);
-        paint.glass = mix(paint.glass, kind.z == CRAFT_GLASS ? 1.0 : 0.0, share);
+        paint.glass = mix(paint.glass, kind.y == CRAFT_GLASS ? 1.0 : 0.0, share);
     }
     return paint;
 }
@@ -74,15 +60,35 @@ struct Light { // irradiance
     vec3 up;
 };
 
+// Eyes adapt to the sky's blue on what they know to be white; on land it is not noticed.
+vec3 paler(vec3 light) {
+    return mix(vec3(dot(light, vec3(0.2126, 0.7152, 0.0722))), light, 0.45);
+}
+
 Light light_here() {
     Light light;
     vec3 radius = frame.eye_up.xyz * (EARTH_KM + frame.eye_up.w) * 1e3 + at_m * ROUND;
     light.up = normalize(radius * ROUND);
     float high = clamp(craft.place.w / 4.0, 0.0, 1.5), rise = dot(light.up, frame.sun.xyz);
     light.sun = mix(frame.light_sun[0].rgb, frame.light_sun[1].rgb, high) * smoothstep(-0.03, 0.03, rise);
-    light.sky = mix(frame.light_sky[0].rgb, frame.light_sky[1].rgb, high) * SHADOW_FILL;
+    light.sky = paler(mix(frame.light_sky[0].rgb, frame.light_sky[1].rgb, high)) * SHADOW_FILL;
     light.ground = GROUND_ALBEDO * (light.sun * max(rise, 0.0) + light.sky);
     return light;
+}
+
+// Share of the sun that other parts of the aircraft let through. The point is moved off its surface by some texels, so
+// that no surface shades itself; the edge is as soft as the sun's disc makes it two metres away.
+float sun_share(vec3 normal) {
+    if (craft.shadow.x == 0)
+        return 1.0;
+    float texel = 1.0 / float(textureSize(shadow_map, 0).x);
+    float metres = 1.0 / length(craft.map_rows[2].xyz); // across the map
+    float grazing = 1.0 - clamp(dot(normal, frame.sun.xyz), 0.0, 1.0);
+    vec3 at = craft_to_map(at_m + normal * ((1.0 + 2.5 * grazing) * texel * metres)) + vec3(0.0, 0.0, 1.5 * texel);
+    float share = 0.0;
+    for (int i = 0; i < 4; i++)
+        share += texture(shadow_map, at + 1.1 * texel * vec3(i < 2 ? -1.0 : 1.0, i % 2 == 0 ? -1.0 : 1.0, 0.0));
+    return 0.25 * share;
 }
 
 // Radiance from a direction: the sky, or the land below the horizon.
@@ -125,6 +131,7 @@ void main() {
     bool disc = int(at_kind.x) == CRAFT_DISC;
     normal = dot(normal, to_eye) < 0.0 && disc ? -normal : normal;
     Light light = light_here();
+    light.sun *= disc ? 1.0 : sun_share(normal);
     vec3 radiance = light_off(paint_here(), normal, to_eye, light);
     vec3 round_m = at_m * ROUND;
     float metres = length(round_m);

@@ -15,9 +15,7 @@ layout(location = 3) flat out uvec2 at_kind; // finish, surface
 
 void main() {
     uint row = kind.y * 3u;
-    vec4 homogeneous = vec4(position, 1.0);
-    at_m = vec3(dot(craft.rows[row], homogeneous), dot(craft.rows[row + 1u], homogeneous),
-                dot(craft.rows[row + 2u], homogeneous));
+    at_m = craft_to_eye_m(position, kind.y);
     at_normal = vec3(dot(craft.rows[row].xyz, normal), dot(craft.rows[row + 1u].xyz, normal),
                      dot(craft.rows[row + 2u].xyz, normal));
     at_body = position;
