@@ -5,6 +5,7 @@
 #include "base/base.h"
 #include "base/vec.h"
 #include "render/accuracy.h"
+#include "render/craft/craft_model.h"
 #include "terrain/lod/lod.h"
 #include "terrain/terrain.h"
 
@@ -67,6 +68,15 @@ typedef struct RenderHud {
     RenderAccuracy accuracy;
 } RenderHud;
 
+// An aircraft to be seen from outside.
+typedef struct RenderCraft {
+    bool show; // false: the rest is not looked at, and nothing is made for it
+    CraftKind kind;
+    Vec3d position_ecef;  // of the shape's origin, see render/craft/craft_shape.h
+    Quatd ecef_from_body; // unit; body axes: x ahead, y right, z down
+    CraftPose pose;
+} RenderCraft;
+
 // Immutable once handed over. Cuts and what they point to live until lod_release of their frames. Cuts in one renderer
 // are of Lods with different LodOptions.serial.
 typedef struct RenderPacket {
@@ -77,6 +87,7 @@ typedef struct RenderPacket {
     RenderCamera camera;
     Vec3d sun_ecef; // unit vector towards the sun
     RenderColouring colouring;
+    RenderCraft craft;
     bool wireframe;
     bool magenta_background; // for the pinhole test: the sky is one flat (255, 0, 255), one sample a pixel, and level,
                              // cache and partition colours are without light and air
