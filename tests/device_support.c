@@ -418,13 +418,26 @@ FakePad *fake_pad_plug(FakeBed *bed, int address, FakeHolder holder) {
     return pad;
 }
 
-void fake_pad_send(FakePad *pad, const uint8_t *bytes, size_t count) {
+// False: so many wait that nobody asked for that there is no place for another.
+static bool put_report(FakePad *pad, const uint8_t *bytes, size_t count) {
     pthread_mutex_lock(&pad->mutex);
-    assert_true(pad->report_count < REPORTS_MAX && count <= sizeof pad->reports[0].bytes);
-    FakeReport *report = &pad->reports[pad->report_count++];
-    report->count = (int)count;
-    memcpy(report->bytes, bytes, count);
+    bool has_place = pad->report_count < REPORTS_MAX;
+    if (has_place) {
+        FakeReport *report = &pad->reports[pad->report_count++];
+        report->count = (int)count;
+        memcpy(report->bytes, bytes, count);
+    }
     pthread_mutex_unlock(&pad->mutex);
+    return has_place;
+}
+
+void fake_pad_send(FakePad *pad, const uint8_t *bytes, size_t count) {
+    int64_t until_ns = clock_now_ns() + 10 * INT64_C(1000000000);
+    bool sent = false;
+    assert_true(count <= sizeof pad->reports[0].bytes);
+    while (!(sent = put_report(pad, bytes, count)) && clock_now_ns() < until_ns)
+        clock_sleep_until_ns(clock_now_ns() + 1000000);
+    assert_true(sent);
 }
 
 void fake_pad_unplug(FakePad *pad) {
@@ -490,17 +503,19 @@ void fake_pad_report(const FakePadHands *hands, uint8_t out[FAKE_PAD_BYTES]) {
 
 // ---- All ----------------------------------------------------------------------------------------------------------
 
+// Devices are freed when umockdev's thread, which answers for them, has ended.
 void fake_bed_destroy(FakeBed **bed) {
-    for (int i = 0; i < (*bed)->stick_count; i++) {
+    for (int i = 0; i < (*bed)->stick_count; i++)
         fake_stick_unplug((*bed)->sticks[i]);
+    for (int i = 0; i < (*bed)->pad_count; i++)
+        fake_pad_unplug((*bed)->pads[i]);
+    g_object_unref((*bed)->testbed);
+    for (int i = 0; i < (*bed)->stick_count; i++) {
         g_object_unref((*bed)->sticks[i]->handler);
         free((*bed)->sticks[i]);
     }
-    for (int i = 0; i < (*bed)->pad_count; i++) {
-        fake_pad_unplug((*bed)->pads[i]);
+    for (int i = 0; i < (*bed)->pad_count; i++)
         free_pad((*bed)->pads[i]);
-    }
-    g_object_unref((*bed)->testbed);
     free(*bed);
     *bed = NULL;
 }

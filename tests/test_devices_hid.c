@@ -173,10 +173,10 @@ static void test_a_node_that_may_not_be_read_is_said_once_and_read_when_it_may(v
     DeviceEvent more;
     int count = devices_poll(fixture->devices, &more, 1);
     assert_int_equal(setresuid(0, 0, 0), 0);
-    print_message("denied: %d, error %d, expected %d; %d more events; said: %s", denied, event.error, EACCES, count,
-                  heard.text);
     bool arrived = fake_wait(fixture->devices, DEVICE_ARRIVED, &more);
     heard_end();
+    print_message("denied: %d, error %d, expected %d; %d more events; said: %s", denied, event.error, EACCES, count,
+                  heard.text);
     assert_true(denied && event.error == EACCES && count == 0 && heard.warnings == 1);
     assert_non_null(strstr(heard.text, "udev rule"));
     assert_true(arrived && more.slot == event.slot);
