@@ -5,6 +5,7 @@
 
 const Command command_table[] = {
     {COMMAND_FLY, "fly", "[SCENE|DEM]...", -1, "fly over a terrain, in a window or without one", cmd_fly},
+    {COMMAND_DEMO, "demo", "list|NAME|FILE [SCENE|DEM]...", -1, "fly a demonstration, also on a stand", cmd_demo},
     {COMMAND_REPLAY, "replay", "TRACK [SCENE|DEM]...", -1, "fly a recorded flight again, or film it", cmd_replay},
     {COMMAND_SNAPSHOT, "snapshot", "[SCENE|DEM]...", -1, "one picture, without a window", cmd_snapshot},
     {COMMAND_MESH, "mesh", "[SCENE|DEM]...", -1, "measure the triangles for one view, and write them to a file",

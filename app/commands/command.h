@@ -22,6 +22,7 @@ extern const Command command_table[];
 const Command *command_find(const char *name); // NULL: no such subcommand
 
 CommandRun cmd_fly;
+CommandRun cmd_demo;
 CommandRun cmd_replay;
 CommandRun cmd_snapshot;
 CommandRun cmd_mesh;
