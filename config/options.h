@@ -13,7 +13,8 @@ typedef enum CommandId {
     COMMAND_INFO = 1 << 4,
     COMMAND_CONFIG = 1 << 5,
     COMMAND_REPRODUCE = 1 << 6,
-    COMMANDS_ALL = (1 << 7) - 1,
+    COMMAND_AIRCRAFT = 1 << 7,
+    COMMANDS_ALL = (1 << 8) - 1,
 } CommandId;
 
 #include "config/option_table.h"

@@ -67,8 +67,15 @@ static const struct {
     const char *name;
     CommandId command;
 } sections[] = {
-    {"", COMMANDS_ALL},       {"fly", COMMAND_FLY},   {"snapshot", COMMAND_SNAPSHOT}, {"mesh", COMMAND_MESH},
-    {"bench", COMMAND_BENCH}, {"info", COMMAND_INFO}, {"config", COMMAND_CONFIG},     {"reproduce", COMMAND_REPRODUCE},
+    {"", COMMANDS_ALL},
+    {"fly", COMMAND_FLY},
+    {"snapshot", COMMAND_SNAPSHOT},
+    {"mesh", COMMAND_MESH},
+    {"bench", COMMAND_BENCH},
+    {"info", COMMAND_INFO},
+    {"config", COMMAND_CONFIG},
+    {"reproduce", COMMAND_REPRODUCE},
+    {"aircraft", COMMAND_AIRCRAFT},
 };
 
 static bool find_section(const IniEntry *entry, CommandId *out) {
@@ -82,8 +89,8 @@ static bool find_section(const IniEntry *entry, CommandId *out) {
     }
     const char *nearest = suggest_nearest(entry->section, names + 1, (int)COUNT_OF(sections) - 1);
     log_error("%s:%d: in section [%s]: expected a subcommand's name%s%s%s", entry->file, entry->line, entry->section,
-              nearest ? "; did you mean [" : " (fly, snapshot, mesh, bench, info, config)", nearest ? nearest : "",
-              nearest ? "]?" : "");
+              nearest ? "; did you mean [" : " (fly, snapshot, mesh, bench, reproduce, info, aircraft, config)",
+              nearest ? nearest : "", nearest ? "]?" : "");
     return false;
 }
 

@@ -15,7 +15,7 @@ import zlib
 from cli_support import DEM, Cli, Fault, expect, expect_in, passes
 
 SMALL = ["--size", "320x200"]
-SUBCOMMANDS = ["fly", "snapshot", "mesh", "bench", "reproduce", "info", "config"]
+SUBCOMMANDS = ["fly", "snapshot", "mesh", "bench", "reproduce", "info", "aircraft", "config"]
 
 
 class FlightCli(Cli):

@@ -14,6 +14,8 @@ const Command command_table[] = {
      "run a paper's experiment, and show its figures beside ours", cmd_reproduce},
     {COMMAND_INFO, "info", "DEM...", -1, "what is in elevation files: size, spacing, datum, bounds, range, voids",
      cmd_info},
+    {COMMAND_AIRCRAFT, "aircraft", "[NAME|FILE]...", -1,
+     "list the aircraft; of those named, set the simulation against theory and what is published", cmd_aircraft},
     {COMMAND_CONFIG, "config", "[SUBCOMMAND]", 1, "show the effective options and where each came from", cmd_config},
     {0},
 };

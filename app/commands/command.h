@@ -27,4 +27,5 @@ CommandRun cmd_mesh;
 CommandRun cmd_bench;
 CommandRun cmd_reproduce;
 CommandRun cmd_info;
+CommandRun cmd_aircraft;
 CommandRun cmd_config;
