@@ -17,7 +17,8 @@ typedef enum CommandId {
     COMMAND_REPLAY = 1 << 8,
     COMMAND_DEVICES = 1 << 9,
     COMMAND_DEMO = 1 << 10,
-    COMMANDS_ALL = (1 << 11) - 1,
+    COMMAND_AIRCRAFT = 1 << 11,
+    COMMANDS_ALL = (1 << 12) - 1,
 } CommandId;
 
 #include "config/option_table.h"

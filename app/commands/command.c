@@ -20,6 +20,8 @@ const Command command_table[] = {
      cmd_convert},
     {COMMAND_DEVICES, "devices", "", 0, "joysticks and gamepads: their nodes, permissions, and what they say",
      cmd_devices},
+    {COMMAND_AIRCRAFT, "aircraft", "[NAME|FILE]...", -1,
+     "list the aircraft; of those named, set the simulation against theory and what is published", cmd_aircraft},
     {COMMAND_CONFIG, "config", "[SUBCOMMAND]", 1, "show the effective options and where each came from", cmd_config},
     {0},
 };

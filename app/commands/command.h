@@ -31,4 +31,5 @@ CommandRun cmd_reproduce;
 CommandRun cmd_info;
 CommandRun cmd_convert;
 CommandRun cmd_devices;
+CommandRun cmd_aircraft;
 CommandRun cmd_config;
