@@ -250,6 +250,18 @@ static void the_throttle_takes_over_softly(void **state) {
     expect_near("throttle", desk.controls.throttle, 0.0, 1e-12);
 }
 
+static void a_lever_within_two_hundredths_has_the_throttle(void **state) {
+    (void)state;
+    Desk desk;
+    begin(&desk, 0.3);
+    put(&desk, 0, LEVER, lever_at(0.33));
+    sample(&desk);
+    expect_near("throttle, lever 0.03 above", desk.controls.throttle, 0.3, 0.0);
+    put(&desk, 0, LEVER, lever_at(0.315));
+    sample(&desk);
+    expect_near("throttle, lever 0.015 above", desk.controls.throttle, 0.315, 1e-12);
+}
+
 static void a_lever_that_jumps_across_the_throttle_has_it(void **state) {
     (void)state;
     Desk desk;
@@ -376,6 +388,10 @@ static void keys_and_sticks_hand_over_as_they_are_touched(void **state) {
     expect_near("the stick", desk.controls.aileron, stick_value(0.3), 1e-12);
     wait(&desk, 0.5);
     expect_near("the stick stays", desk.controls.aileron, stick_value(0.3), 1e-12);
+    put(&desk, 0, X, -0.3); // to the same side as the key
+    wait(&desk, 0.5);
+    expect_near("the stick stays", desk.controls.aileron, stick_value(-0.3), 1e-12);
+    put(&desk, 0, X, 0.3);
     keyboard_on_key(&desk.keyboard, KEY_LEFT, false, false);
     wait(&desk, 0.5);
     expect_near("the key let go", desk.controls.aileron, stick_value(0.3), 1e-12);
@@ -581,6 +597,7 @@ int main(void) {
         cmocka_unit_test(an_axis_is_unknown_until_it_moves),
         cmocka_unit_test(a_report_acts_in_the_next_sample),
         cmocka_unit_test(the_throttle_takes_over_softly),
+        cmocka_unit_test(a_lever_within_two_hundredths_has_the_throttle),
         cmocka_unit_test(a_lever_that_jumps_across_the_throttle_has_it),
         cmocka_unit_test(keys_that_bring_the_throttle_to_a_resting_lever_keep_it),
         cmocka_unit_test(an_unplugged_throttle_holds_and_a_plugged_one_waits),

@@ -29,6 +29,14 @@ static void write_file(const char *path, const char *text) {
     assert_int_equal(fclose(file), 0);
 }
 
+static size_t read_whole(const char *path, char *bytes, size_t room) {
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    size_t count = fread(bytes, 1, room, file);
+    fclose(file);
+    return count;
+}
+
 static int make_home(void **state) {
     static Home home;
     char path[128];
@@ -220,6 +228,19 @@ static void patterns_stand_for_any_letters(void **state) {
     }
 }
 
+static void the_example_of_the_manual_is_sound(void **state) {
+    static char page[32768];
+    page[read_whole(SOURCE_DIR "/docs/joystick.md", page, sizeof page - 1)] = '\0';
+    char path[128], *begin = strstr(page, "```ini\n"), *end = begin ? strstr(begin + 7, "```") : NULL;
+    assert_non_null(end);
+    *end = '\0';
+    write_profile(state, "example.joystick", begin + 7, path);
+    PadProfile profile;
+    assert_int_equal(joystick_read_profile(path, &profile), RESULT_OK);
+    assert_int_equal(profile.axis_count, 3);
+    assert_int_equal(profile.button_count, 4);
+}
+
 static void every_profile_that_came_along_is_sound(void **state) {
     (void)state;
     DIR *folder = opendir(SOURCE_DIR "/assets/data/joysticks");
@@ -299,14 +320,6 @@ static void drop_message(void *user, LogLevel level, const char *message) {
     (void)user, (void)level, (void)message;
 }
 
-static size_t read_whole(const char *path, char *bytes, size_t room) {
-    FILE *file = fopen(path, "rb");
-    assert_non_null(file);
-    size_t count = fread(bytes, 1, room, file);
-    fclose(file);
-    return count;
-}
-
 static void put_bytes(int file, const char *bytes, size_t count) {
     assert_int_equal(ftruncate(file, 0), 0);
     assert_int_equal(pwrite(file, bytes, count, 0), count);
@@ -355,6 +368,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(pads_get_the_profiles_that_came_along, make_home, remove_home),
         cmocka_unit_test_setup_teardown(users_profiles_come_first_and_ids_before_names, make_home, remove_home),
         cmocka_unit_test(patterns_stand_for_any_letters),
+        cmocka_unit_test_setup_teardown(the_example_of_the_manual_is_sound, make_home, remove_home),
         cmocka_unit_test(every_profile_that_came_along_is_sound),
         cmocka_unit_test_setup_teardown(a_calibration_is_kept_for_its_pad, make_home, remove_home),
         cmocka_unit_test_setup_teardown(broken_calibrations_are_refused_with_file_and_line, make_home, remove_home),

@@ -9,6 +9,7 @@
 #define STACK_MAX 8        // Push; Linux allows 4
 #define COLLECTIONS_MAX 32 // nested
 #define RANGES_MAX 512     // of usages before one main item
+#define VALUES_MAX 65536   // looked at; sticks have some hundred, and few bytes can claim millions
 #define LONG_ITEM 0xfe
 
 // Usage pages and usages: "HID Usage Tables" 1.12, sections 3, 4, 5 and 12.
@@ -93,6 +94,7 @@ typedef struct Parser {
     bool is_pad[COLLECTIONS_MAX + 1]; // by depth: inside of a pad's application collection
     int depth;
     uint32_t report_bits[256];
+    uint32_t values_seen;
     HidDescriptor *out;
 } Parser;
 
@@ -301,7 +303,7 @@ static void add_variables(Parser *parser, HidField field, uint32_t count) {
     const Locals *locals = &parser->locals;
     int range = 0;
     uint32_t usage = locals->ranges[0].first;
-    for (uint32_t i = 0; i < count && parser->out->field_count < HID_FIELDS_MAX; i++) {
+    for (uint32_t i = 0; i < count && parser->values_seen < VALUES_MAX; i++, parser->values_seen++) {
         add_variable(parser->out, field, usage);
         field.bit += field.bits;
         if (usage < locals->ranges[range].last)
