@@ -38,16 +38,6 @@ uint64_t flight_recording_aircraft_hash(const Aircraft *aircraft) {
     return (hash ^ (uint64_t)aircraft->engine) * UINT64_C(1099511628211);
 }
 
-// The words of the command line that name it; none of them: the default scene.
-static void set_scene(RecordingHeader *header, const Options *options) {
-    char names[RECORDING_VALUE_BYTES] = "";
-    size_t length = 0;
-    for (int i = 0; i < options_positional_count(options) && length < sizeof names; i++)
-        length += (size_t)snprintf(names + length, sizeof names - length, "%s%s", i ? "|" : "",
-                                   options_positionals(options)[i]);
-    recording_header_set(header, RECORDING_SCENE, "%s", names);
-}
-
 static void set_time(RecordingHeader *header) {
     char when[NAME_BYTES];
     time_t now = time(NULL);
@@ -56,11 +46,11 @@ static void set_time(RecordingHeader *header) {
         recording_header_set(header, RECORDING_START_UTC, "%s", when);
 }
 
-void flight_recording_header(const World *world, const Options *options, const Flight *flight, RecordingHeader *out) {
+void flight_recording_header(const World *world, const Flight *flight, RecordingHeader *out) {
     const Dem *dem = terrain_dem(world->terrain);
     *out = recording_header_create(FLIGHT_STATE_BYTES, FLIGHT_STATE_LAYOUT);
     recording_header_set(out, RECORDING_PROGRAM, "overfly %s", version_text());
-    set_scene(out, options);
+    recording_header_set(out, RECORDING_SCENE, "%s", world->names);
     set_time(out);
     recording_header_set(out, RECORDING_DEM, "%s", dem->file);
     recording_header_set(out, RECORDING_DEM_HASH, "%016llx", (unsigned long long)dem_hash(dem));
@@ -91,7 +81,7 @@ Result recorder_create(const World *world, const Options *options, const Flight 
     }
     if (path)
         snprintf(recorder->path, sizeof recorder->path, "%s", path);
-    flight_recording_header(world, options, flight, &header);
+    flight_recording_header(world, flight, &header);
     flight_state_pack(&flight->state, state);
     Result result = recording_writer_create(&header, path, state, &recorder->writer);
     if (result == RESULT_OK)

@@ -18,7 +18,7 @@
 typedef struct FlightRecorder FlightRecorder;
 
 // What a replay needs to know of where and what is flown.
-void flight_recording_header(const World *world, const Options *options, const Flight *flight, RecordingHeader *out);
+void flight_recording_header(const World *world, const Flight *flight, RecordingHeader *out);
 
 uint64_t flight_recording_aircraft_hash(const Aircraft *aircraft);
 // The wind that a recording was flown in; none where it says nothing.
