@@ -143,7 +143,7 @@ static void report_of(const PadProfile *profile, const Hand *hand, uint8_t repor
 }
 
 static void print_head(void) {
-    printf("# The reports of a stick, by tools/make_stick_demo: turns, a roll, a loop.\n"
+    printf("# The reports of a stick, by make_stick_demo: turns, a roll, a loop.\n"
            "device 046d:c215 Logitech Extreme 3D\n");
     for (size_t i = 0; i < sizeof descriptor_bytes; i++)
         printf("%s%02x%s", i % 16 ? " " : "descriptor ", descriptor_bytes[i],
