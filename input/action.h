@@ -12,6 +12,8 @@
 #define KEY_UP 265
 #define KEY_PAGE_UP 266
 #define KEY_PAGE_DOWN 267
+#define KEY_HOME 268
+#define KEY_END 269
 #define KEY_F1 290
 #define KEY_F2 291
 #define KEY_F3 292
@@ -34,10 +36,17 @@
     X(RUDDER_LEFT, "0", "rudder left")                                                                                 \
     X(RUDDER_RIGHT, "Enter", "rudder right")                                                                           \
     X(THROTTLE_UP, "PgUp", "more throttle")                                                                            \
-    X(THROTTLE_DOWN, "PgDn", "less throttle")
+    X(THROTTLE_DOWN, "PgDn", "less throttle")                                                                          \
+    X(TRIM_DOWN, "Home", "trim nose down")                                                                             \
+    X(TRIM_UP, "End", "trim nose up")                                                                                  \
+    X(BRAKES, "b", "brakes")
 
 #define ACTION_ONCE_TABLE(X)                                                                                           \
     X(CENTRE, "5", "centre stick and rudder")                                                                          \
+    X(FLAPS_DOWN, "]", "flaps or air brakes out")                                                                      \
+    X(FLAPS_UP, "[", "flaps or air brakes in")                                                                         \
+    X(GEAR_UP, "g", "gear up")                                                                                         \
+    X(GEAR_DOWN, "G", "gear down")                                                                                     \
     X(VIEW_NEXT, "v", "next view")                                                                                     \
     X(VIEW_PREVIOUS, "V", "previous view")                                                                             \
     X(ZOOM_IN, "x", "narrower field of view")                                                                          \

@@ -75,7 +75,19 @@ Controls keyboard_sample(Keyboard *keyboard, double dt_s) {
     controls->rudder = clamp(controls->rudder, -1.0, 1.0);
     controls->throttle += direction(keyboard, ACTION_THROTTLE_DOWN, ACTION_THROTTLE_UP) * dt_s / KEYBOARD_THROTTLE_S;
     controls->throttle = clamp(controls->throttle, 0.0, 1.0);
+    controls->trim += direction(keyboard, ACTION_TRIM_DOWN, ACTION_TRIM_UP) * dt_s / KEYBOARD_TRIM_S;
+    controls->trim = clamp(controls->trim, -1.0, 1.0);
+    controls->brake_left = controls->brake_right = keyboard->held[ACTION_BRAKES] > 0 ? 1.0 : 0.0;
     return *controls;
+}
+
+void keyboard_move_flaps(Keyboard *keyboard, int steps) {
+    double wanted = round(keyboard->controls.flaps * KEYBOARD_FLAPS_STEPS) + steps;
+    keyboard->controls.flaps = clamp(wanted / KEYBOARD_FLAPS_STEPS, 0.0, 1.0);
+}
+
+void keyboard_set_gear(Keyboard *keyboard, bool up) {
+    keyboard->controls.gear_up = up;
 }
 
 void keyboard_centre(Keyboard *keyboard) {

@@ -10,6 +10,8 @@
 #define KEYBOARD_CENTRE_S 0.25  // from full deflection back, after the key is let go
 #define KEYBOARD_RUDDER_S 1.0   // stays where it is left, until centred
 #define KEYBOARD_THROTTLE_S 2.5 // from idle to full; stays
+#define KEYBOARD_TRIM_S 10.0    // from neutral to full; stays
+#define KEYBOARD_FLAPS_STEPS 3
 
 typedef struct Keyboard {
     uint8_t held[ACTION_HELD_COUNT]; // how many keys hold the action
@@ -27,8 +29,10 @@ void keyboard_on_key(Keyboard *keyboard, int key, bool pressed, bool shift);
 Action keyboard_next_action(Keyboard *keyboard);
 
 // Moves the controls on by `dt_s`, and gives them. Stick: deflects while held, re-centres when let go; opposite keys
-// cancel. Rudder and throttle stay where they are left.
+// cancel. Rudder, throttle and trim stay where they are left; brakes work while held.
 Controls keyboard_sample(Keyboard *keyboard, double dt_s);
 void keyboard_centre(Keyboard *keyboard);
+void keyboard_move_flaps(Keyboard *keyboard, int steps); // + out; stays
+void keyboard_set_gear(Keyboard *keyboard, bool up);
 bool keyboard_touches_controls(const Keyboard *keyboard); // a control key is down
 void keyboard_set_throttle(Keyboard *keyboard, double throttle);

@@ -155,6 +155,19 @@ void session_on_key(FlightSession *session, int key, bool pressed, bool shift) {
         take_over(session, "you have control");
 }
 
+static void move_flaps(FlightSession *session, int steps) {
+    char message[PIPELINE_MESSAGE_BYTES];
+    keyboard_move_flaps(&session->keyboard, steps);
+    snprintf(message, sizeof message, "flaps %.0f %%", 100.0 * session->keyboard.controls.flaps);
+    session_say(session, session->aircraft.flaps_s > 0.0 ? message : "this aircraft has no flaps");
+}
+
+static void set_gear(FlightSession *session, bool up) {
+    keyboard_set_gear(&session->keyboard, up);
+    bool fixed = session->aircraft.gear_s <= 0.0;
+    session_say(session, fixed ? "the gear is fixed" : up ? "gear up" : "gear down");
+}
+
 static void act(FlightSession *session, Action action) {
     char message[PIPELINE_MESSAGE_BYTES];
     switch (action) {
@@ -166,6 +179,14 @@ static void act(FlightSession *session, Action action) {
         return;
     case ACTION_CENTRE:
         keyboard_centre(&session->keyboard);
+        return;
+    case ACTION_FLAPS_DOWN:
+    case ACTION_FLAPS_UP:
+        move_flaps(session, action == ACTION_FLAPS_DOWN ? 1 : -1);
+        return;
+    case ACTION_GEAR_UP:
+    case ACTION_GEAR_DOWN:
+        set_gear(session, action == ACTION_GEAR_UP);
         return;
     default:
         if (flight_settings_apply(&session->settings, action, message, sizeof message) && message[0])
