@@ -156,6 +156,19 @@ static Controls held_controls(FlightSession *session, const Controls *pilot) {
     return held;
 }
 
+static void move_flaps(FlightSession *session, bool down) {
+    char message[PIPELINE_MESSAGE_BYTES];
+    keyboard_move_flaps(&session->keyboard, down);
+    snprintf(message, sizeof message, "flaps %.0f %%", 100.0 * session->keyboard.controls.flaps);
+    session_say(session, session->aircraft.flaps_s > 0.0 ? message : "this aircraft has no flaps");
+}
+
+static void set_gear(FlightSession *session, bool up) {
+    keyboard_set_gear(&session->keyboard, up);
+    bool fixed = session->aircraft.gear_s <= 0.0;
+    session_say(session, fixed ? "the gear is fixed" : up ? "gear up" : "gear down");
+}
+
 static void act(FlightSession *session, Action action) {
     char message[PIPELINE_MESSAGE_BYTES];
     switch (action) {
@@ -181,13 +194,13 @@ static void act(FlightSession *session, Action action) {
     case ACTION_RESET:
         session_reset(session);
         return;
-    case ACTION_FLAPS_UP:
     case ACTION_FLAPS_DOWN:
-        keyboard_move_flaps(&session->keyboard, action == ACTION_FLAPS_DOWN);
+    case ACTION_FLAPS_UP:
+        move_flaps(session, action == ACTION_FLAPS_DOWN);
         return;
     case ACTION_GEAR_UP:
     case ACTION_GEAR_DOWN:
-        keyboard_set_gear(&session->keyboard, action == ACTION_GEAR_UP);
+        set_gear(session, action == ACTION_GEAR_UP);
         return;
     default:
         if (flight_settings_apply(&session->settings, action, message, sizeof message) && message[0])
