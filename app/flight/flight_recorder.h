@@ -17,8 +17,8 @@
 
 typedef struct FlightRecorder FlightRecorder;
 
-// What a replay needs to know of where and what is flown. `shown`: the recording that is shown until someone takes over,
-// whose land (where the command line names no other) and aircraft are flown then; NULL: none.
+// What a replay needs to know of where and what is flown. `shown`: the recording that is shown until someone takes
+// over, whose land (where the command line names no other) and aircraft are flown then; NULL: none.
 void flight_recording_header(const World *world, const Options *options, const Flight *flight,
                              const RecordingHeader *shown, RecordingHeader *out);
 
