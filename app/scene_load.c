@@ -56,8 +56,8 @@ static Result read_listed(const char *const *names, int count, Scene *out) {
 }
 
 static Result read_scene(const Options *options, Scene *out) {
-    // The first word of these is what to measure, or to replay.
-    int first = (options_command(options) & (COMMAND_BENCH | COMMAND_REPRODUCE | COMMAND_REPLAY)) != 0;
+    // The first word of these is what to measure, to replay, or to fly.
+    int first = (options_command(options) & (COMMAND_BENCH | COMMAND_REPRODUCE | COMMAND_REPLAY | COMMAND_DEMO)) != 0;
     int count = options_positional_count(options) - first;
     return read_listed(options_positionals(options) + first, count, out);
 }

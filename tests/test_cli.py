@@ -15,7 +15,8 @@ import zlib
 from cli_support import DEM, Cli, Fault, expect, expect_in, passes
 
 SMALL = ["--size", "320x200"]
-SUBCOMMANDS = ["fly", "snapshot", "mesh", "bench", "reproduce", "info", "convert", "devices", "config"]
+SUBCOMMANDS = ["fly", "demo", "replay", "snapshot", "mesh", "bench", "reproduce", "info", "convert", "devices",
+               "aircraft", "config"]
 
 
 class FlightCli(Cli):

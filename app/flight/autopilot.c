@@ -25,6 +25,7 @@
 #define HEIGHT_RATE 0.2
 #define PATH_RATE 0.8
 #define PITCH_RATE 2.5
+#define ALPHA_RATE 2.0
 #define PITCH_INTEGRAL 2.0
 #define HEADING_RATE 0.25
 #define BANK_RATE 1.0
@@ -88,11 +89,17 @@ static double turn_load(const Now *now) {
     return cos(now->at.path_rad) / fmax(fabs(bank_cos), 0.4) * (bank_cos < 0.0 ? -1.0 : 1.0);
 }
 
-// Elevator for a rate of pitch, kept from the stall.
+// What gravity leaves of the load: where it is carried by no more, the path is straight.
+static double level_load(const Now *now) {
+    return cos(now->at.bank_rad) * cos(now->at.pitch_rad);
+}
+
+// Elevator for a rate of pitch, kept from the stall: the nose rises no faster than the path, once near it.
 static double hold_pitch_rate(Autopilot *autopilot, const Flight *flight, const Now *now, double wanted, double dt_s) {
     const Aircraft *a = flight->aircraft;
     double stall = a->stall_rad + flight->state.flaps * (a->stall_flaps_rad - a->stall_rad);
-    double most = 1.5 * (STALL_SHARE * stall - now->at.alpha_rad) + now->q - 0.0;
+    double path_rate = GRAVITY / now->speed * (now->at.load_factor - level_load(now));
+    double most = ALPHA_RATE * (STALL_SHARE * stall - now->at.alpha_rad) + path_rate;
     double off = fmin(wanted, fmax(most, -1.0)) - now->q;
     double each = fmax(now->pitch_each, 1.0);
     autopilot->elevator = clamp(autopilot->elevator + PITCH_RATE * PITCH_INTEGRAL * off / each * dt_s, -1.0, 1.0);
@@ -104,7 +111,7 @@ static double hold_path(Autopilot *autopilot, const Flight *flight, const Now *n
     double bank_cos = fmax(fabs(cos(now->at.bank_rad)), 0.4);
     double load = turn_load(now) + now->speed * PATH_RATE * (path_rad - now->at.path_rad) / (GRAVITY * bank_cos);
     load = clamp(load, LOAD_LEAST, LOAD_MOST);
-    double rate = GRAVITY / now->speed * (load - cos(now->at.bank_rad) * cos(now->at.pitch_rad));
+    double rate = GRAVITY / now->speed * (load - level_load(now));
     return hold_pitch_rate(autopilot, flight, now, rate, dt_s);
 }
 
@@ -237,23 +244,28 @@ bool autopilot_has_reached(const Flight *flight, const Waypoint *to) {
 #define ASSIST_SIDESLIP 0.17  // rad at full rudder
 #define ASSIST_LEVEL 0.09     // rad of bank that go back to level
 #define ASSIST_STEEP 1.2      // rad of path beyond which nothing is held
+#define ASSIST_STRAIGHT 0.12  // g off the load of a straight path
 #define STICK_FREE 1e-3
 
+// The rate of pitch of a turn that holds its path; none where that means nothing.
+static double turning_rate(const Now *now) {
+    bool steep = fabs(now->at.path_rad) > 0.8 || fabs(now->at.bank_rad) > 1.3;
+    return steep ? 0.0 : GRAVITY / now->speed * (turn_load(now) - level_load(now));
+}
+
 static double assist_pitch(Autopilot *autopilot, const Flight *flight, const Now *now, double stick, double dt_s) {
-    if (fabs(stick) > STICK_FREE || fabs(now->at.path_rad) > ASSIST_STEEP) {
+    bool bends = !autopilot->holds_path && fabs(now->at.load_factor - turn_load(now)) > ASSIST_STRAIGHT;
+    if (fabs(stick) > STICK_FREE || fabs(now->at.path_rad) > ASSIST_STEEP || bends) {
         double most = fmin(ASSIST_PITCH_MOST, ASSIST_LOAD * GRAVITY / now->speed);
-        double turn = GRAVITY / now->speed * (turn_load(now) - cos(now->at.bank_rad) * cos(now->at.pitch_rad));
-        bool steep = fabs(now->at.path_rad) > 0.8 || fabs(now->at.bank_rad) > 1.3;
-        autopilot->holds_path = false;
-        return hold_pitch_rate(autopilot, flight, now, stick * most + (steep ? 0.0 : turn), dt_s);
+        autopilot->holds_path = fabs(stick) > STICK_FREE ? false : autopilot->holds_path;
+        return hold_pitch_rate(autopilot, flight, now, stick * most + turning_rate(now), dt_s);
     }
     if (!autopilot->holds_path) {
         autopilot->holds_path = true;
         autopilot->held_path_rad = now->at.path_rad;
     }
-    double most = flight->aircraft->engine == AIRCRAFT_GLIDER || now->at.true_airspeed < SPEED_LEAST * now->stall_speed
-                      ? steepest_path(flight, now)
-                      : INFINITY;
+    bool slow = now->at.true_airspeed < SPEED_LEAST * now->stall_speed;
+    double most = slow || flight->aircraft->engine == AIRCRAFT_GLIDER ? steepest_path(flight, now) : INFINITY;
     return hold_path(autopilot, flight, now, fmin(autopilot->held_path_rad, most), dt_s);
 }
 

@@ -4,6 +4,7 @@
 #include "terrain/geodesy.h"
 
 #include <math.h>
+#include <string.h>
 
 #define CHASE_BEHIND_M 45.0
 #define CHASE_ABOVE_M 14.0
@@ -28,6 +29,15 @@ const char *camera_view_name(CameraView view) {
     static const char *const names[CAMERA_VIEW_COUNT] = {"cockpit", "chase", "fly-by", "map", "free",
                                                          "right",   "back",  "left",   "down"};
     return names[view];
+}
+
+bool camera_view_find(const char *name, CameraView *out) {
+    for (int i = 0; i < CAMERA_VIEW_COUNT; i++)
+        if (strcmp(camera_view_name((CameraView)i), name) == 0) {
+            *out = (CameraView)i;
+            return true;
+        }
+    return false;
 }
 
 bool camera_is_outside(CameraView view) {

@@ -75,7 +75,8 @@ static Result check_outputs(const Fly *fly) {
 
 // Whether the flight ends by itself, so that it makes sense without a window.
 static bool ends_by_itself(const Fly *fly) {
-    return options_integer(fly->options, OPTION_FRAMES) > 0 || options_flag(fly->options, OPTION_DEMO) || fly->track;
+    return options_integer(fly->options, OPTION_FRAMES) > 0 || options_flag(fly->options, OPTION_DEMO) ||
+           options_command(fly->options) == COMMAND_DEMO || fly->track;
 }
 
 static Result open_context(Fly *fly) {
@@ -216,6 +217,8 @@ static Result end(Fly *fly) {
     monitor_destroy(&fly->monitor);
     pipeline_destroy(&fly->pipeline);
     Result result = video_end(&fly->video), recorded = recorder_close(&fly->recorder);
+    if (fly->session)
+        session_end(fly->session);
     free(fly->session);
     pilot_destroy(&fly->pilot);
     playback_close(&fly->playback);
