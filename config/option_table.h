@@ -166,6 +166,8 @@
       "or the geoid where HFALG does not say")                                                                         \
     X(OBJECT, "object", 0, TEXT, "NAME", NULL, 0, 0, NULL, COMMAND_CONVERT | COMMAND_REPLAY,                           \
       "which track of several: its name, or its number; of ACMI its id")                                               \
+    X(INTERVAL, "interval", 0, NUMBER, "S", NULL, 0.01, 3600, NULL, COMMAND_CONVERT,                                   \
+      "between the points that a recording (.ofr) is written with; 0.5 if not given, of IGC 1")                        \
     X(START, "start", 0, TEXT, "TIME", NULL, 0, 0, NULL, COMMAND_CONVERT,                                              \
       "when the flight began, as 2024-06-01T12:00:00Z, instead of what the file says")                                 \
                                                                                                                        \

@@ -137,6 +137,8 @@ static Result fly_frames(FlightLoop *loop) {
             context_poll_events(loop->context);
         loop->session->now_ns = loop->window && !loop->lockstep ? last_ns : 0;
         session_advance(loop->session, passed_s);
+        if ((!loop->window || loop->lockstep) && loop->session->recorder)
+            recorder_wait(loop->session->recorder);
     }
     bool picture_due = loop->screenshot && !(loop->frames > 0 && index >= loop->frames);
     return picture_due ? draw_last_picture(loop) : RESULT_OK;

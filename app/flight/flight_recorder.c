@@ -12,6 +12,7 @@
 
 #define NAME_BYTES 64
 #define SAME_SECOND_MAX 100
+#define UNWRITTEN_STEPS_MAX (RECORDING_KEPT_STEPS / 2) // a frame at the fastest rate of time is far less than the rest
 #define FOLDER "recordings"
 
 struct FlightRecorder {
@@ -19,6 +20,7 @@ struct FlightRecorder {
     char path[PATHS_BYTES_MAX]; // "": memory only
     char saved[PATHS_BYTES_MAX];
     bool saving, failure_said;
+    uint32_t waited; // steps that are in the file for certain
 };
 
 // ---- what is recorded of where and what ----
@@ -38,6 +40,17 @@ uint64_t flight_recording_aircraft_hash(const Aircraft *aircraft) {
     return (hash ^ (uint64_t)aircraft->engine) * UINT64_C(1099511628211);
 }
 
+// By the name that it is found again by: of an aircraft file, its path.
+static void set_aircraft(RecordingHeader *header, const Options *options, const Aircraft *aircraft,
+                         const RecordingHeader *shown) {
+    recording_header_set(header, RECORDING_AIRCRAFT, "%s",
+                         shown                                        ? shown->environment[RECORDING_AIRCRAFT]
+                         : options_is_given(options, OPTION_AIRCRAFT) ? options_text(options, OPTION_AIRCRAFT)
+                                                                      : aircraft->id);
+    recording_header_set(header, RECORDING_AIRCRAFT_HASH, "%016llx",
+                         (unsigned long long)flight_recording_aircraft_hash(aircraft));
+}
+
 static void set_time(RecordingHeader *header) {
     char when[NAME_BYTES];
     time_t now = time(NULL);
@@ -46,7 +59,8 @@ static void set_time(RecordingHeader *header) {
         recording_header_set(header, RECORDING_START_UTC, "%s", when);
 }
 
-void flight_recording_header(const World *world, const Flight *flight, RecordingHeader *out) {
+void flight_recording_header(const World *world, const Options *options, const Flight *flight,
+                             const RecordingHeader *shown, RecordingHeader *out) {
     const Dem *dem = terrain_dem(world->terrain);
     *out = recording_header_create(FLIGHT_STATE_BYTES, FLIGHT_STATE_LAYOUT);
     recording_header_set(out, RECORDING_PROGRAM, "overfly %s", version_text());
@@ -54,9 +68,7 @@ void flight_recording_header(const World *world, const Flight *flight, Recording
     set_time(out);
     recording_header_set(out, RECORDING_DEM, "%s", dem->file);
     recording_header_set(out, RECORDING_DEM_HASH, "%016llx", (unsigned long long)dem_hash(dem));
-    recording_header_set(out, RECORDING_AIRCRAFT, "%s", flight->aircraft->id);
-    recording_header_set(out, RECORDING_AIRCRAFT_HASH, "%016llx",
-                         (unsigned long long)flight_recording_aircraft_hash(flight->aircraft));
+    set_aircraft(out, options, flight->aircraft, shown);
     recording_header_set(out, RECORDING_WEATHER, "wind %.17g %.17g %.17g m/s ECEF", flight->wind_ecef.x,
                          flight->wind_ecef.y, flight->wind_ecef.z);
 }
@@ -70,7 +82,8 @@ void flight_recording_weather(const RecordingHeader *header, Flight *flight) {
 
 // ---- recording ----
 
-Result recorder_create(const World *world, const Options *options, const Flight *flight, FlightRecorder **out) {
+Result recorder_create(const World *world, const Options *options, const Flight *flight, const RecordingHeader *shown,
+                       FlightRecorder **out) {
     const char *path = options_text(options, OPTION_RECORD);
     uint8_t state[FLIGHT_STATE_BYTES];
     RecordingHeader header;
@@ -81,7 +94,7 @@ Result recorder_create(const World *world, const Options *options, const Flight 
     }
     if (path)
         snprintf(recorder->path, sizeof recorder->path, "%s", path);
-    flight_recording_header(world, flight, &header);
+    flight_recording_header(world, options, flight, shown, &header);
     flight_state_pack(&flight->state, state);
     Result result = recording_writer_create(&header, path, state, &recorder->writer);
     if (result == RESULT_OK)
@@ -179,6 +192,14 @@ void recorder_news(FlightRecorder *recorder, char message[RECORDER_MESSAGE_BYTES
     recorder->failure_said = failed;
     if (recorder->saving)
         tell_saving(recorder, message);
+}
+
+void recorder_wait(FlightRecorder *recorder) {
+    uint32_t steps = recording_writer_steps(recorder->writer);
+    if (steps - recorder->waited < UNWRITTEN_STEPS_MAX)
+        return;
+    recording_writer_wait(recorder->writer);
+    recorder->waited = steps;
 }
 
 const char *recorder_path(const FlightRecorder *recorder) {

@@ -51,10 +51,21 @@ static Result check_video(const Options *options) {
     return video_check_name(video, "--video");
 }
 
-static Result check_outputs(const Options *options) {
+static Result check_record(const Fly *fly) {
+    const char *record = options_text(fly->options, OPTION_RECORD);
+    if (!record || !fly->track || !files_are_same(record, fly->track))
+        return record ? files_check_writable(record) : RESULT_OK;
+    log_error("--record: %s is the flight that is replayed; name another file", record);
+    return RESULT_USAGE;
+}
+
+static Result check_outputs(const Fly *fly) {
+    const Options *options = fly->options;
     const char *screenshot = options_text(options, OPTION_SCREENSHOT),
                *pictures = options_text(options, OPTION_PICTURES);
-    Result result = screenshot ? picture_check_name(screenshot, "--screenshot") : RESULT_OK;
+    Result result = check_record(fly);
+    if (result == RESULT_OK && screenshot)
+        result = picture_check_name(screenshot, "--screenshot");
     if (result == RESULT_OK && pictures)
         result = files_make_folder(pictures);
     if (result == RESULT_OK && pictures)
@@ -126,7 +137,8 @@ static Result start_session(Fly *fly) {
     if (result == RESULT_OK && fly->track)
         result = start_replay(fly);
     if (result == RESULT_OK)
-        result = recorder_create(&fly->world, fly->options, &fly->session->flight, &fly->recorder);
+        result = recorder_create(&fly->world, fly->options, &fly->session->flight,
+                                 fly->playback ? playback_header(fly->playback) : NULL, &fly->recorder);
     fly->session->recorder = fly->recorder;
     return result;
 }
@@ -179,7 +191,7 @@ static Result report(const Fly *fly) {
 static Result prepare(Fly *fly) {
     Result result = check_target(fly->options);
     if (result == RESULT_OK)
-        result = check_outputs(fly->options);
+        result = check_outputs(fly);
     if (result == RESULT_OK)
         result = check_track(fly);
     if (result == RESULT_OK)
