@@ -250,21 +250,37 @@ static void end_demo(FlightSession *session) {
         take_over(session, "the demo is over: you have control");
 }
 
+// A pad that lies there while the demo flies is left alone.
+static void shake_pads(FlightSession *session, const FlightState *before) {
+    double dt_s = FLIGHT_STEP_S / flight_clock_rate(&session->settings.clock);
+    FeelRumble rumble = feel_step(&session->feel, before, &session->flight, dt_s);
+    if (session->pilot && !session->demo_flies && rumble.seconds > 0.0)
+        pilot_rumble(session->pilot, rumble.low, rumble.high, rumble.seconds);
+}
+
+// A stick is the pilot's own; keys get help, anew after each change.
+static bool wants_help(const FlightSession *session) {
+    return session->assist && !(session->pilot && pilot_drives_stick(session->pilot));
+}
+
 static void step(FlightSession *session) {
     Controls controls = sample_keyboard(session);
     if (session->demo_flies)
         controls = demo_fly(&session->demo, &session->flight, FLIGHT_STEP_S);
     else if (session->holds)
         controls = held_controls(session, &controls);
-    else if (session->assist)
+    else if (wants_help(session))
         controls = autopilot_assist(&session->help, &session->flight, &controls, FLIGHT_STEP_S);
-    FlightContact before = session->flight.state.contact;
+    else
+        session->help = (Autopilot){.engaged = false};
+    const FlightState before = session->flight.state;
     if (session->recorder)
         recorder_fly(session->recorder, &session->flight, &controls);
     else
         flight_step(&session->flight, &controls, FLIGHT_STEP_S);
-    session->crashes += before != FLIGHT_CRASHED && session->flight.state.contact == FLIGHT_CRASHED;
-    if (before == FLIGHT_CRASHED && session->flight.state.contact != FLIGHT_CRASHED)
+    shake_pads(session, &before);
+    session->crashes += before.contact != FLIGHT_CRASHED && session->flight.state.contact == FLIGHT_CRASHED;
+    if (before.contact == FLIGHT_CRASHED && session->flight.state.contact != FLIGHT_CRASHED)
         begin_again(session);
     if (session->demo_flies && demo_is_over(&session->demo))
         end_demo(session);
