@@ -1,8 +1,8 @@
 // An aircraft in the picture: where it should be and of the size it should have, only when it is shown, and the same
 // wherever on the Earth. Usage:
-//   test_craft_gl                     the tests
+//   test_craft_gl                            the tests
 //   test_craft_gl --pictures FOLDER [NAME]   writes pictures of each kind from all sides, or those so named, to look at
-//   test_craft_gl --times             what it costs at 1280 x 800
+//   test_craft_gl --times                    what it costs at 1280 x 800
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <setjmp.h>
