@@ -12,9 +12,10 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
+#include <stdlib.h>
 
 #define REPORT_BYTES 7
+#define STEPS_MOST (180 * 120)
 #define TURN 6.283185307179586
 #define STALL 48.0 // m/s, up there
 
@@ -163,50 +164,86 @@ static void tell(const Flight *flight, const Pilot *pilot, double t_s) {
             now.speed_m_s, now.bank_rad * 57.3, now.path_rad * 57.3, now.load_factor);
 }
 
-int main(void) {
+// Everything that is flown with.
+typedef struct Studio {
     Aircraft aircraft;
-    static Mapper mapper;
-    static HidDescriptor descriptor;
-    PadInfo info = {.vendor = 0x046d, .product = 0xc215, .name = "Logitech Extreme 3D"};
+    PadInfo info;
     PadProfile profile;
+    HidDescriptor descriptor;
+    Mapper mapper;
+    Keyboard keyboard;
+    PadState state;
+    Flight flight;
+} Studio;
+
+static Result read_files(Studio *s, double *h_m) {
     char path[PATHS_BYTES_MAX];
     Geoid *geoid = NULL;
-    if (paths_find_data("geoid/egm96-15.pgm", path) != RESULT_OK || geoid_open(path, &geoid) != RESULT_OK ||
-        aircraft_load("t37", &aircraft) != RESULT_OK || joystick_find_profile(&info, &profile, path) != RESULT_OK ||
-        hid_descriptor_parse(descriptor_bytes, sizeof descriptor_bytes, &descriptor) != RESULT_OK)
-        return 1;
-    hid_describe(&descriptor, &info);
-    // No ground: high enough for all of it.
-    double h_m = START_ALT_M + geoid_undulation_m(geoid, START_LAT, START_LON);
+    Result result = paths_find_data("geoid/egm96-15.pgm", path);
+    if (result == RESULT_OK)
+        result = geoid_open(path, &geoid);
+    if (result != RESULT_OK)
+        return result;
+    *h_m = START_ALT_M + geoid_undulation_m(geoid, START_LAT, START_LON);
+    geoid_close(&geoid);
+    result = aircraft_load("t37", &s->aircraft);
+    if (result == RESULT_OK)
+        result = joystick_find_profile(&s->info, &s->profile, path);
+    return result == RESULT_OK ? hid_descriptor_parse(descriptor_bytes, sizeof descriptor_bytes, &s->descriptor)
+                               : result;
+}
+
+// No ground: high enough for all of it.
+static void begin(Studio *s, double h_m) {
     const FlightStart start = {.lat_rad = START_LAT * GEODESY_RAD_PER_DEG,
                                .lon_rad = START_LON * GEODESY_RAD_PER_DEG,
                                .h_m = h_m,
                                .heading_rad = START_HEADING * GEODESY_RAD_PER_DEG,
                                .speed_m_s = START_SPEED};
-    Flight flight = flight_create(&aircraft, &start, (FlightGround){NULL, NULL});
-    Keyboard keyboard = keyboard_create(flight.controls.throttle);
-    PadState state = pad_at_rest();
+    s->flight = flight_create(&s->aircraft, &start, (FlightGround){NULL, NULL});
+    s->keyboard = keyboard_create(s->flight.controls.throttle);
+    s->keyboard.controls = s->flight.controls;
+    s->state = pad_at_rest();
+    hid_describe(&s->descriptor, &s->info);
+    mapper_init(&s->mapper);
+    mapper_connect(&s->mapper, 0, &s->info, &s->profile, NULL);
+}
+
+static void move_stick(Studio *s, const Hand *hand, int step) {
+    uint8_t report[REPORT_BYTES];
+    report_of(&s->profile, hand, report);
+    print_report(step / 120.0, report);
+    if (hid_report_decode(&s->descriptor, report, sizeof report, &s->state))
+        mapper_report(&s->mapper, 0, &s->state, &s->keyboard);
+}
+
+static void fly(Studio *s) {
     Pilot pilot = {.figure = LEVEL};
-    keyboard.controls = flight.controls;
-    mapper_init(&mapper);
-    mapper_connect(&mapper, 0, &info, &profile, NULL);
-    print_head();
-    Hand hand = {.throttle = flight.controls.throttle};
-    for (int step = 0; pilot.figure != OVER && step < 120 * 180; step++) {
-        uint8_t report[REPORT_BYTES];
-        if (step % 2 == 0) {
-            report_of(&profile, &hand, report);
-            print_report(step / 120.0, report);
-            if (hid_report_decode(&descriptor, report, sizeof report, &state))
-                mapper_report(&mapper, 0, &state, &keyboard);
-        }
-        Controls controls = mapper_sample(&mapper, &keyboard, FLIGHT_STEP_S);
+    Hand hand = {.throttle = s->flight.controls.throttle};
+    for (int step = 0; pilot.figure != OVER && step < STEPS_MOST; step++) {
+        if (step % 2 == 0)
+            move_stick(s, &hand, step);
+        Controls controls = mapper_sample(&s->mapper, &s->keyboard, FLIGHT_STEP_S);
         controls = recording_controls(recording_quantise(&controls));
-        flight_step(&flight, &controls, FLIGHT_STEP_S);
-        hand = move(&pilot, &flight);
+        flight_step(&s->flight, &controls, FLIGHT_STEP_S);
+        hand = move(&pilot, &s->flight);
         if (step % 120 == 0)
-            tell(&flight, &pilot, step / 120.0);
+            tell(&s->flight, &pilot, step / 120.0);
     }
-    geoid_close(&geoid);
-    return 0;
+}
+
+int main(void) {
+    double h_m;
+    Studio *studio = calloc(1, sizeof *studio);
+    if (!studio)
+        return 1;
+    studio->info = (PadInfo){.vendor = 0x046d, .product = 0xc215, .name = "Logitech Extreme 3D"};
+    Result result = read_files(studio, &h_m);
+    if (result == RESULT_OK) {
+        print_head();
+        begin(studio, h_m);
+        fly(studio);
+    }
+    free(studio);
+    return result == RESULT_OK ? 0 : 1;
 }
