@@ -103,6 +103,8 @@
       "leave after N frames, or measure so many; 0: when told to, or a measurement's own number")                      \
     X(LOCKSTEP, "lockstep", 0, FLAG, NULL, "false", 0, 0, NULL, COMMANDS_FLIGHT,                                       \
       "stages one after another, 1/60 s a frame: the same pictures each time")                                         \
+    X(TELEMETRY, "telemetry", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMANDS_FLIGHT,                                      \
+      "a line of CSV ten times a second of flight, for scripts; -: on stdout")                                         \
     X(RECORD, "record", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMANDS_FLIGHT,                                            \
       "record the flight as it goes (.ofr); without: the last ten minutes are kept, and F5 saves them")                \
     X(JOYSTICK, "joystick", 0, FLAG, NULL, "true", 0, 0, NULL, COMMANDS_FLIGHT, "look for sticks and gamepads")        \

@@ -279,6 +279,8 @@ static void step(FlightSession *session) {
     else
         flight_step(&session->flight, &controls, FLIGHT_STEP_S);
     shake_pads(session, &before);
+    if (session->telemetry)
+        telemetry_step(session->telemetry, &session->flight, session->world->geoid);
     session->crashes += before.contact != FLIGHT_CRASHED && session->flight.state.contact == FLIGHT_CRASHED;
     if (before.contact == FLIGHT_CRASHED && session->flight.state.contact != FLIGHT_CRASHED)
         begin_again(session);
