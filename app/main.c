@@ -51,11 +51,12 @@ static Result check_positionals(const Command *command, const Options *options, 
     return RESULT_OK;
 }
 
-static Result run_command(const Command *command, bool command_typed, int argc, char **argv) {
+static Result run_command(const Command *command, bool command_typed, const char *program, int argc, char **argv) {
     Options *options = NULL;
     Result result = options_create(command->id, &options);
     if (result != RESULT_OK)
         return result;
+    options_name_program(options, program);
     result = options_read_arguments(options, argc, argv);
     if (result != RESULT_OK)
         goto end;
@@ -91,6 +92,7 @@ int main(int argc, char **argv) {
     bool typed = command != NULL;
     if (!typed)
         command = command_find("fly");
-    Result result = run_command(command, typed, count - typed, argv + 1 + typed);
+    const char *program = argc > 0 && argv[0][0] ? argv[0] : "overfly";
+    Result result = run_command(command, typed, program, count - typed, argv + 1 + typed);
     return result == RESULT_OK ? 0 : result == RESULT_USAGE ? 2 : 1;
 }

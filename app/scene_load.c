@@ -51,11 +51,19 @@ static Result read_default(Scene *out) {
     return result == RESULT_OK ? scene_read(path, out) : result;
 }
 
+// The first word of some commands is what to measure, to replay, or to fly.
+static int first_scene(const Options *options) {
+    return (options_command(options) & (COMMAND_BENCH | COMMAND_REPRODUCE | COMMAND_REPLAY | COMMAND_DEMO)) != 0;
+}
+
+static Result read_listed(const char *const *names, int count, Scene *out) {
+    return count > 0 ? read_named(names, count, out) : read_default(out);
+}
+
 static Result read_scene(const Options *options, Scene *out) {
-    // The first word of these is what to measure.
-    int first = (options_command(options) & (COMMAND_BENCH | COMMAND_REPRODUCE)) != 0;
+    int first = first_scene(options);
     int count = options_positional_count(options) - first;
-    return count > 0 ? read_named(options_positionals(options) + first, count, out) : read_default(out);
+    return read_listed(options_positionals(options) + first, count, out);
 }
 
 // ---- Are the files there? ---------------------------------------------------------------------------------------
@@ -219,11 +227,37 @@ fail:
     return result;
 }
 
+// Too many names are cut off: whoever needs them finds that they name nothing.
+static void keep_names(const char *const *names, int count, World *world) {
+    size_t length = 0;
+    for (int i = 0; i < count && length < sizeof world->names; i++)
+        length += (size_t)snprintf(world->names + length, sizeof world->names - length, "%s%s", i ? "|" : "", names[i]);
+}
+
 Result world_load(const Options *options, World *out) {
+    int first = first_scene(options);
+    return world_load_listed(options, options_positionals(options) + first, options_positional_count(options) - first,
+                             out);
+}
+
+Result world_check_listed(const Options *options, const char *const *names, int count) {
+    Scene scene = {.datum = -1, .voids = -1};
+    Result result = read_listed(names, count, &scene);
+    if (result == RESULT_OK)
+        result = check_scene_files(options, &scene);
+    scene_clear(&scene);
+    return result;
+}
+
+Result world_load_listed(const Options *options, const char *const *names, int count, World *out) {
     Scene scene = {.datum = -1, .voids = -1};
     TerrainOptions terrain = scene_terrain_options(options);
-    Result result = read_scene(options, &scene);
-    return result == RESULT_OK ? load_scene(options, &terrain, &scene, out) : result;
+    Result result = read_listed(names, count, &scene);
+    if (result == RESULT_OK)
+        result = load_scene(options, &terrain, &scene, out);
+    if (result == RESULT_OK)
+        keep_names(names, count, out);
+    return result;
 }
 
 Result world_check_named(const Options *options, const char *name) {

@@ -12,8 +12,11 @@
 #include "terrain/lod/lod.h"
 #include "terrain/terrain.h"
 
+#define WORLD_NAMES_BYTES 1024
+
 typedef struct World {
-    Scene scene; // from the scene file; for plain DEMs empty but for their paths
+    char names[WORLD_NAMES_BYTES]; // what was loaded, as it was named, with | between; "": the default scene
+    Scene scene;                   // from the scene file; for plain DEMs empty but for their paths
     Jobs *jobs;
     Geoid *geoid; // for people's altitudes, whatever the DEM's own datum
     Terrain *terrain;
@@ -42,6 +45,9 @@ MUST_USE Result world_check_inputs(const Options *options);
 // of one that came with the program), or DEM files and folders. Jobs, geoid, DEM and terrain as the options say. On
 // failure one message was logged and `out` is empty.
 MUST_USE Result world_load(const Options *options, World *out);
+// The same with names of the caller's instead of the positional arguments; none: the default scene.
+MUST_USE Result world_check_listed(const Options *options, const char *const *names, int count);
+MUST_USE Result world_load_listed(const Options *options, const char *const *names, int count, World *out);
 // The same for one scene or DEM by its name, or the default scene where it is NULL, with a hierarchy of its own.
 MUST_USE Result world_load_named(const Options *options, const char *name, const TerrainOptions *terrain, World *out);
 // Whether its files are there, as world_check_inputs.

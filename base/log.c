@@ -108,6 +108,8 @@ static void show_progress(const Progress *progress, double share, double seconds
 }
 
 void progress_update(Progress *progress, double share) {
+    if (share >= 1.0) // progress_end tells
+        return;
     int64_t now = clock_now_ns();
     int64_t every = isatty(STDERR_FILENO) ? PROGRESS_EVERY_TERMINAL_NS : PROGRESS_EVERY_FILE_NS;
     if (now - progress->begin_ns < PROGRESS_AFTER_NS || (progress->shown && now - progress->shown_ns < every))

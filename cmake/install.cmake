@@ -24,8 +24,13 @@ add_custom_target(program ALL DEPENDS overfly ${manual})
 
 overfly_data_folder(aircraft ${data}/aircraft)
 overfly_data_folder(dem ${data}/dem)
+overfly_data_folder(demos ${data}/demos)
+overfly_data_folder(joysticks ${data}/joysticks)
 overfly_data_folder(report ${data}/report)
 overfly_data_folder(scenes ${data}/scenes)
+overfly_data_folder(udev ${data}/udev)
+# Of the prefixes /usr and /usr/local, udev reads it there.
+install(FILES ${data}/udev/70-overfly.rules DESTINATION lib/udev/rules.d)
 install(TARGETS overfly RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(FILES ${manual} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES ${data}/bash-completion/overfly DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)

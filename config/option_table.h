@@ -3,11 +3,13 @@
 // Included by config/options.h and config/options.c only.
 #pragma once
 
-#define COMMANDS_SCENE (COMMAND_FLY | COMMAND_SNAPSHOT | COMMAND_MESH | COMMAND_BENCH)
+#define COMMANDS_FLOWN (COMMAND_FLY | COMMAND_DEMO)
+#define COMMANDS_FLIGHT (COMMANDS_FLOWN | COMMAND_REPLAY)
+#define COMMANDS_SCENE (COMMANDS_FLIGHT | COMMAND_SNAPSHOT | COMMAND_MESH | COMMAND_BENCH)
 #define COMMANDS_VIEW (COMMAND_FLY | COMMAND_SNAPSHOT | COMMAND_MESH)
 #define COMMANDS_WORK (COMMANDS_SCENE | COMMAND_REPRODUCE)
 #define COMMANDS_DEM (COMMANDS_WORK | COMMAND_INFO)
-#define COMMANDS_PICTURE (COMMAND_FLY | COMMAND_SNAPSHOT)
+#define COMMANDS_PICTURE (COMMANDS_FLIGHT | COMMAND_SNAPSHOT)
 
 #define CHOICES_DATUM "file|egm96|ellipsoid"
 #define CHOICES_VOIDS "fill|hole|error"
@@ -18,6 +20,9 @@
 #define CHOICES_TILE_SIDE "3|5|9|17|33|65|129"
 #define CHOICES_COMPUTE "auto|gpu|cpu"
 #define CHOICES_TIME_RATE "1/4|1/2|1|2|4|8|16"
+#define CHOICES_REPLAY_RATE "1/8|1/4|1/2|1|2|4|8|16|32|64"
+#define CHOICES_VIEW "cockpit|chase|fly-by|map|free|right|back|left|down"
+#define CHOICES_IGC_ALT "pressure|ellipsoid|geoid"
 #define CHOICES_COLOUR "land|level|cache|partition"
 
 // clang-format off
@@ -37,7 +42,8 @@
       "between samples, for images without georeference")                                                              \
     X(BOUNDS, "bounds", 0, BOUNDS, "W,S,E,N", NULL, 0, 0, NULL, COMMANDS_DEM,                                          \
       "degrees, for images without georeference")                                                                      \
-    X(GEOID, "geoid", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMANDS_WORK, "EGM96 grid (.pgm) instead of the own one")    \
+    X(GEOID, "geoid", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMANDS_WORK | COMMAND_CONVERT,                              \
+      "EGM96 grid (.pgm) instead of the own one")                                                                      \
     X(ERROR, "error", 0, CHOICE, NULL, "total", 1, 1024, CHOICES_ERROR, COMMANDS_SCENE,                                \
       "how vertex errors are defined; only total bounds the error at every sample; total:N looks at the samples of "   \
       "diamonds up to a step of N, and bounds larger ones")                                                            \
@@ -72,6 +78,7 @@
     X(LOOK, "look", 0, DIRECTION, "HEADING,PITCH", NULL, 0, 0, NULL, COMMANDS_SCENE, "degrees; north is 0, up is +")   \
     X(OUTPUT, "output", 'o', PATH, "FILE", NULL, 0, 0, NULL, COMMAND_SNAPSHOT | COMMAND_MESH, "where to write")        \
                                                                                                                        \
+    X(VIEW, "view", 0, CHOICE, NULL, "cockpit", 0, 0, CHOICES_VIEW, COMMANDS_FLIGHT, "where the flight is seen from")  \
     X(COLOUR, "colour", 'c', CHOICE, NULL, "land", 0, 0, CHOICES_COLOUR, COMMANDS_PICTURE, "what colours mean")        \
     X(WIREFRAME, "wireframe", 'w', FLAG, NULL, "false", 0, 0, NULL, COMMANDS_PICTURE, "draw the triangles' edges")     \
     X(MAGENTA, "magenta", 0, FLAG, NULL, "false", 0, 0, NULL, COMMANDS_PICTURE, "a magenta sky, to count pinholes")    \
@@ -82,30 +89,37 @@
     X(SAMPLES, "samples", 0, INTEGER, "N", "0", 0, 16, NULL, COMMANDS_PICTURE,                                         \
       "a pixel, against jagged edges; 0: 4, but 1 flying with a software renderer")                                    \
     X(VRAM, "vram", 0, BYTES, "BYTES", "256M", 1048576, 1e12, NULL, COMMANDS_PICTURE, "limit of the patch cache")      \
-    X(HUD, "hud", 0, FLAG, NULL, "true", 0, 0, NULL, COMMAND_FLY, "draw the flight instruments and numbers")           \
-    X(ACCURACY, "accuracy", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY,                                           \
+    X(HUD, "hud", 0, FLAG, NULL, "true", 0, 0, NULL, COMMANDS_FLIGHT, "draw the flight instruments and numbers")       \
+    X(ACCURACY, "accuracy", 0, FLAG, NULL, "false", 0, 0, NULL, COMMANDS_FLIGHT,                                       \
       "begin with the panel of frame time against accuracy (F2)")                                                      \
     X(DEBUG_GL, "debug-gl", 0, FLAG, NULL, "false", 0, 0, NULL, COMMANDS_PICTURE, "log what the GL driver reports")    \
                                                                                                                        \
-    X(WINDOW, "window", 0, FLAG, NULL, "true", 0, 0, NULL, COMMAND_FLY, "fly in a window; without: by EGL")            \
-    X(FULLSCREEN, "fullscreen", 'f', FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY, "the whole screen")                 \
-    X(FPS, "fps", 0, NUMBER, "HZ", "60", 1, 1000, NULL, COMMAND_FLY, "frames a second at most")                        \
-    X(TARGET_MS, "target-ms", 0, NUMBER, "MS", NULL, 1, 1000, NULL, COMMAND_FLY | COMMAND_BENCH,                       \
+    X(WINDOW, "window", 0, FLAG, NULL, "true", 0, 0, NULL, COMMANDS_FLIGHT, "fly in a window; without: by EGL")        \
+    X(FULLSCREEN, "fullscreen", 'f', FLAG, NULL, "false", 0, 0, NULL, COMMANDS_FLIGHT, "the whole screen")             \
+    X(FPS, "fps", 0, NUMBER, "HZ", "60", 1, 1000, NULL, COMMANDS_FLIGHT, "frames a second at most")                    \
+    X(TARGET_MS, "target-ms", 0, NUMBER, "MS", NULL, 1, 1000, NULL, COMMANDS_FLIGHT | COMMAND_BENCH,                   \
       "move the tolerated error, from --tau, so that 95 of 100 frames take at most so long")                           \
-    X(FRAMES, "frames", 'n', INTEGER, "N", "0", 0, 1000000000, NULL, COMMAND_FLY | COMMAND_BENCH,                      \
+    X(FRAMES, "frames", 'n', INTEGER, "N", "0", 0, 1000000000, NULL, COMMANDS_FLIGHT | COMMAND_BENCH,                  \
       "leave after N frames, or measure so many; 0: when told to, or a measurement's own number")                      \
-    X(LOCKSTEP, "lockstep", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY,                                           \
+    X(LOCKSTEP, "lockstep", 0, FLAG, NULL, "false", 0, 0, NULL, COMMANDS_FLIGHT,                                       \
       "stages one after another, 1/60 s a frame: the same pictures each time")                                         \
+    X(RECORD, "record", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMANDS_FLIGHT,                                            \
+      "record the flight as it goes (.ofr); without: the last ten minutes are kept, and F5 saves them")                \
+    X(JOYSTICK, "joystick", 0, FLAG, NULL, "true", 0, 0, NULL, COMMANDS_FLIGHT, "look for sticks and gamepads")        \
     X(DEMO, "demo", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY, "fly the scene's demonstration")                  \
-    X(AIRCRAFT, "aircraft", 0, TEXT, "NAME|FILE", "t37", 0, 0, NULL, COMMAND_FLY,                                      \
+    X(KIOSK, "kiosk", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_DEMO,                                                \
+      "for a stand: the demo begins again at its end, on Esc, and when nobody steers for --idle")                      \
+    X(IDLE, "idle", 0, NUMBER, "S", "45", 1, 86400, NULL, COMMAND_DEMO,                                                \
+      "with --kiosk: seconds until the demo begins again")                                                             \
+    X(AIRCRAFT, "aircraft", 0, TEXT, "NAME|FILE", "t37", 0, 0, NULL, COMMANDS_FLOWN,                                   \
       "what is flown: one that 'overfly aircraft' lists, or an aircraft file")                                         \
-    X(TRIM, "trim", 0, FLAG, NULL, "true", 0, 0, NULL, COMMAND_FLY, "start in steady flight")                          \
-    X(ON_GROUND, "on-ground", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY, "start standing on the ground")         \
-    X(ASSIST, "assist", 0, FLAG, NULL, "true", 0, 0, NULL, COMMAND_FLY,                                                \
+    X(TRIM, "trim", 0, FLAG, NULL, "true", 0, 0, NULL, COMMANDS_FLOWN, "start in steady flight")                       \
+    X(ON_GROUND, "on-ground", 0, FLAG, NULL, "false", 0, 0, NULL, COMMANDS_FLOWN, "start standing on the ground")      \
+    X(ASSIST, "assist", 0, FLAG, NULL, "true", 0, 0, NULL, COMMANDS_FLOWN,                                             \
       "keys ask for rates of pitch and roll, and the path stays when let go; without: they move the surfaces")         \
-    X(TIME_RATE, "time-rate", 0, CHOICE, NULL, "1", 0, 0, CHOICES_TIME_RATE, COMMAND_FLY,                              \
+    X(TIME_RATE, "time-rate", 0, CHOICE, NULL, "1", 0, 0, CHOICES_TIME_RATE, COMMANDS_FLOWN,                           \
       "how fast time runs at the start")                                                                               \
-    X(SPEED, "speed", 0, SPEED, "SPEED", NULL, 0, 20000, NULL, COMMAND_FLY | COMMAND_BENCH,                            \
+    X(SPEED, "speed", 0, SPEED, "SPEED", NULL, 0, 20000, NULL, COMMANDS_FLOWN | COMMAND_BENCH,                         \
       "at the start (80m/s, 120kt); measuring: 100m/s if not given")                                                   \
     X(HEIGHT, "height", 0, LENGTH, "LENGTH", "500", 1, 1e7, NULL, COMMAND_BENCH, "of the flight above the ground")     \
     X(SIDES, "sides", 0, TEXT, "LIST", "1025,2049,4097", 0, 0, NULL, COMMAND_BENCH, "samples a side to preprocess")    \
@@ -120,10 +134,21 @@
       "flights: valley,ridge,pass,dive,turn, or CSV files")                                                            \
     X(BENCH_QUICK, "quick", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_BENCH,                                         \
       "a minute or so: fewer methods, tolerances and frames, a smaller picture")                                       \
-    X(SCREENSHOT, "screenshot", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMAND_FLY, "write the last frame as PNG")         \
-    X(PICTURES, "pictures", 0, PATH, "DIR", NULL, 0, 0, NULL, COMMAND_FLY, "write pictures of the flight as PNG")      \
-    X(PICTURE_COUNT, "picture-count", 0, INTEGER, "N", "6", 1, 100000, NULL, COMMAND_FLY,                              \
+    X(SCREENSHOT, "screenshot", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMANDS_FLIGHT, "write the last frame as PNG")     \
+    X(PICTURES, "pictures", 0, PATH, "DIR", NULL, 0, 0, NULL, COMMANDS_FLIGHT, "write pictures of the flight as PNG")  \
+    X(PICTURE_COUNT, "picture-count", 0, INTEGER, "N", "6", 1, 100000, NULL, COMMANDS_FLIGHT,                          \
       "how many, spread over the flight")                                                                              \
+    X(EVERY, "every", 0, INTEGER, "N", NULL, 1, 1000000000, NULL, COMMAND_REPLAY,                                      \
+      "with --pictures: every Nth frame of the replay, instead of --picture-count")                                    \
+    X(VIDEO, "video", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMAND_REPLAY,                                               \
+      "a film of the replay, by ffmpeg: frame i at i / --fps seconds; .mp4, .mkv, .webm or .mov")                      \
+    X(VERIFY, "verify", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_REPLAY,                                            \
+      "fly a recording again without drawing, and tell whether it is the same flight, step by step")                   \
+    X(AT, "at", 0, TEXT, "TIME", NULL, 0, 0, NULL, COMMAND_REPLAY, "where to begin: seconds, M:SS or H:MM:SS")         \
+    X(REPLAY_RATE, "time-rate", 0, CHOICE, NULL, "1", 0, 0, CHOICES_REPLAY_RATE, COMMAND_REPLAY,                       \
+      "how fast time runs at the start")                                                                               \
+    X(BACKWARDS, "backwards", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_REPLAY,                                      \
+      "begin at the end, or at --at, and go backwards")                                                                \
                                                                                                                        \
     X(QUICK, "quick", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_REPRODUCE,                                           \
       "a minute at most: fewer sizes, frames and rounds, nothing drawn")                                               \
@@ -135,6 +160,19 @@
       "samples a side (2^n + 1, separated by commas) instead of the paper's")                                          \
     X(SECONDS, "seconds", 0, NUMBER, "S", NULL, 0.1, 3600, NULL, COMMAND_REPRODUCE,                                    \
       "length of the flights instead of the experiment's own")                                                         \
+                                                                                                                       \
+    X(IGC_ALT, "igc-alt", 0, CHOICE, NULL, NULL, 0, 0, CHOICES_IGC_ALT, COMMAND_CONVERT | COMMAND_REPLAY,              \
+      "altitudes of an IGC file: its pressure column as it is, or its GNSS column above the ellipsoid (if not given) " \
+      "or the geoid where HFALG does not say")                                                                         \
+    X(OBJECT, "object", 0, TEXT, "NAME", NULL, 0, 0, NULL, COMMAND_CONVERT | COMMAND_REPLAY,                           \
+      "which track of several: its name, or its number; of ACMI its id")                                               \
+    X(INTERVAL, "interval", 0, NUMBER, "S", NULL, 0.01, 3600, NULL, COMMAND_CONVERT,                                   \
+      "between the points that a recording (.ofr) is written with; 0.5 if not given, of IGC 1")                        \
+    X(START, "start", 0, TEXT, "TIME", NULL, 0, 0, NULL, COMMAND_CONVERT,                                              \
+      "when the flight began, as 2024-06-01T12:00:00Z, instead of what the file says")                                 \
+                                                                                                                       \
+    X(WATCH, "watch", 'w', FLAG, NULL, "false", 0, 0, NULL, COMMAND_DEVICES, "show live values until Ctrl-C")          \
+    X(WATCH_SECONDS, "seconds", 0, NUMBER, "S", NULL, 0.1, 86400, NULL, COMMAND_DEVICES, "watch, for so long")         \
                                                                                                                        \
     X(CULL, "cull", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_MESH, "only what the view frustum holds")
 // clang-format on

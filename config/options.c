@@ -66,6 +66,7 @@ typedef struct Value {
 
 struct Options {
     CommandId command;
+    const char *program;
     Value values[OPTION_COUNT];
     const char **positionals; // [positional_capacity], borrowed from argv
     int positional_count, positional_capacity;
@@ -289,6 +290,7 @@ Result options_create(CommandId command, Options **out) {
     if (!options)
         return RESULT_MEMORY;
     options->command = command;
+    options->program = "overfly";
     for (int i = 0; i < OPTION_COUNT; i++) {
         if (!specs[i].default_text)
             continue;
@@ -325,6 +327,14 @@ Result options_add_positional(Options *options, const char *text) {
     }
     options->positionals[options->positional_count++] = text;
     return RESULT_OK;
+}
+
+void options_name_program(Options *options, const char *program) {
+    options->program = program;
+}
+
+const char *options_program(const Options *options) {
+    return options->program;
 }
 
 CommandId options_command(const Options *options) {

@@ -13,8 +13,12 @@ typedef enum CommandId {
     COMMAND_INFO = 1 << 4,
     COMMAND_CONFIG = 1 << 5,
     COMMAND_REPRODUCE = 1 << 6,
-    COMMAND_AIRCRAFT = 1 << 7,
-    COMMANDS_ALL = (1 << 8) - 1,
+    COMMAND_CONVERT = 1 << 7,
+    COMMAND_REPLAY = 1 << 8,
+    COMMAND_DEVICES = 1 << 9,
+    COMMAND_DEMO = 1 << 10,
+    COMMAND_AIRCRAFT = 1 << 11,
+    COMMANDS_ALL = (1 << 12) - 1,
 } CommandId;
 
 #include "config/option_table.h"
@@ -73,6 +77,10 @@ typedef struct Options Options;
 // All defaults set.
 MUST_USE Result options_create(CommandId command, Options **out);
 void options_destroy(Options **options);
+
+// How the program was called, for commands that people are told; borrowed. "overfly" if never named.
+void options_name_program(Options *options, const char *program);
+const char *options_program(const Options *options);
 
 // Sets an option from its text. A source of lower precedence than the present one changes nothing, but is checked all
 // the same. `where` names the place for messages ("--tau", "OVERFLY_TAU", "overfly.conf:12: tau") and is kept. USAGE:

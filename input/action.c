@@ -1,5 +1,7 @@
 #include "input/action.h"
 
+#include <ctype.h>
+
 typedef enum Shift { ANY, PLAIN, SHIFTED } Shift;
 
 static const struct {
@@ -24,10 +26,13 @@ static const struct {
     {KEY_HOME, ANY, ACTION_TRIM_DOWN},
     {KEY_END, ANY, ACTION_TRIM_UP},
     {'B', ANY, ACTION_BRAKES},
-    {']', ANY, ACTION_FLAPS_DOWN},
     {'[', ANY, ACTION_FLAPS_UP},
+    {']', ANY, ACTION_FLAPS_DOWN},
     {'G', PLAIN, ACTION_GEAR_UP},
     {'G', SHIFTED, ACTION_GEAR_DOWN},
+    {'O', ANY, ACTION_AUTOPILOT},
+    {'R', ANY, ACTION_RESET},
+    {KEY_F5, ANY, ACTION_SAVE},
     {'5', ANY, ACTION_CENTRE},
     {KEY_PAD_5, ANY, ACTION_CENTRE},
     {'V', PLAIN, ACTION_VIEW_NEXT},
@@ -61,10 +66,27 @@ Action action_of_key(int key, bool shift) {
 }
 
 static const struct {
-    const char *keys, *help;
+    int key;
+    Action action;
+} replay_bindings[] = {
+    {KEY_LEFT, ACTION_REPLAY_BACK},           {KEY_RIGHT, ACTION_REPLAY_AHEAD}, {KEY_UP, ACTION_REPLAY_FASTER},
+    {KEY_DOWN, ACTION_REPLAY_SLOWER},         {' ', ACTION_REPLAY_PLAY},        {KEY_BACKSPACE, ACTION_REPLAY_TURN},
+    {KEY_HOME, ACTION_REPLAY_START},          {KEY_END, ACTION_REPLAY_END},     {KEY_ENTER, ACTION_REPLAY_TAKE_OVER},
+    {KEY_PAD_ENTER, ACTION_REPLAY_TAKE_OVER},
+};
+
+Action action_of_replay_key(int key) {
+    for (size_t i = 0; i < COUNT_OF(replay_bindings); i++)
+        if (replay_bindings[i].key == key)
+            return replay_bindings[i].action;
+    return key >= '0' && key <= '9' ? ACTION_REPLAY_TENTH : ACTION_NONE;
+}
+
+static const struct {
+    const char *identifier, *keys, *help;
 } texts[ACTION_COUNT] = {
-#define ACTION_TEXT(id, keys, help) [ACTION_##id] = {keys, help},
-    ACTION_HELD_TABLE(ACTION_TEXT) ACTION_ONCE_TABLE(ACTION_TEXT)
+#define ACTION_TEXT(id, keys, help) [ACTION_##id] = {#id, keys, help},
+    ACTION_HELD_TABLE(ACTION_TEXT) ACTION_ONCE_TABLE(ACTION_TEXT) ACTION_REPLAY_TABLE(ACTION_TEXT)
 #undef ACTION_TEXT
 };
 
@@ -74,4 +96,12 @@ const char *action_keys(Action action) {
 
 const char *action_help(Action action) {
     return texts[action].help;
+}
+
+void action_name(Action action, char out[ACTION_NAME_BYTES]) {
+    const char *identifier = texts[action].identifier;
+    size_t i = 0;
+    for (; identifier[i] && i < ACTION_NAME_BYTES - 1; i++)
+        out[i] = (char)(identifier[i] == '_' ? '-' : tolower((unsigned char)identifier[i]));
+    out[i] = '\0';
 }

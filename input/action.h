@@ -6,6 +6,7 @@
 
 #define KEY_ESCAPE 256
 #define KEY_ENTER 257
+#define KEY_BACKSPACE 259
 #define KEY_RIGHT 262
 #define KEY_LEFT 263
 #define KEY_DOWN 264
@@ -17,6 +18,7 @@
 #define KEY_F1 290
 #define KEY_F2 291
 #define KEY_F3 292
+#define KEY_F5 294
 #define KEY_PAD_0 320
 #define KEY_PAD_2 322
 #define KEY_PAD_4 324
@@ -39,12 +41,14 @@
     X(THROTTLE_DOWN, "PgDn", "less throttle")                                                                          \
     X(TRIM_DOWN, "Home", "trim nose down")                                                                             \
     X(TRIM_UP, "End", "trim nose up")                                                                                  \
-    X(BRAKES, "b", "brakes")
+    X(BRAKES, "b", "wheel brakes")
 
 #define ACTION_ONCE_TABLE(X)                                                                                           \
+    X(RESET, "r", "start anew")                                                                                        \
+    X(AUTOPILOT, "o", "autopilot: hold height, heading and speed, on and off")                                         \
     X(CENTRE, "5", "centre stick and rudder")                                                                          \
-    X(FLAPS_DOWN, "]", "flaps or air brakes out")                                                                      \
-    X(FLAPS_UP, "[", "flaps or air brakes in")                                                                         \
+    X(FLAPS_UP, "[", "flaps up a notch")                                                                               \
+    X(FLAPS_DOWN, "]", "flaps down a notch")                                                                           \
     X(GEAR_UP, "g", "gear up")                                                                                         \
     X(GEAR_DOWN, "G", "gear down")                                                                                     \
     X(VIEW_NEXT, "v", "next view")                                                                                     \
@@ -57,6 +61,7 @@
     X(HUD, "h", "head-up display on and off")                                                                          \
     X(ACCURACY, "F2", "what accuracy costs in time, on and off")                                                       \
     X(SCREENSHOT, "F3", "write a picture")                                                                             \
+    X(SAVE, "F5", "save the last ten minutes as a recording")                                                          \
     X(FINER, "t", "smaller tolerated error")                                                                           \
     X(COARSER, "T", "larger tolerated error")                                                                          \
     X(METHOD, "m", "next level-of-detail method")                                                                      \
@@ -68,16 +73,37 @@
     X(LEAVE, "Esc", "leave")
 // clang-format on
 
+// What keys do while a recorded flight is shown, instead of flying. Hops go on for as long as their key is down.
+// clang-format off
+#define ACTION_REPLAY_TABLE(X)                                                                                         \
+    X(REPLAY_BACK, "Left", "5 s back")                                                                                 \
+    X(REPLAY_AHEAD, "Right", "5 s ahead")                                                                              \
+    X(REPLAY_FASTER, "Up", "faster")                                                                                   \
+    X(REPLAY_SLOWER, "Down", "slower")                                                                                 \
+    X(REPLAY_PLAY, "Space", "play, pause")                                                                             \
+    X(REPLAY_TURN, "Backspace", "the other way round")                                                                 \
+    X(REPLAY_START, "Home", "to the start")                                                                            \
+    X(REPLAY_END, "End", "to the end")                                                                                 \
+    X(REPLAY_TENTH, "0-9", "to so many tenths of the flight")                                                       \
+    X(REPLAY_TAKE_OVER, "Enter", "take over the controls")
+// clang-format on
+
 typedef enum Action {
 #define ACTION_ENUM(id, keys, help) ACTION_##id,
     ACTION_HELD_TABLE(ACTION_ENUM) ACTION_HELD_COUNT,
     ACTION_HELD_LAST = ACTION_HELD_COUNT - 1,
-    ACTION_ONCE_TABLE(ACTION_ENUM) ACTION_COUNT,
+    ACTION_ONCE_TABLE(ACTION_ENUM) ACTION_REPLAY_TABLE(ACTION_ENUM) ACTION_COUNT,
 #undef ACTION_ENUM
     ACTION_NONE = -1
 } Action;
 
 // What the key does; ACTION_NONE: nothing.
 Action action_of_key(int key, bool shift);
+// The same of ACTION_REPLAY_TABLE.
+Action action_of_replay_key(int key);
 const char *action_keys(Action action); // "PgUp"
 const char *action_help(Action action);
+
+#define ACTION_NAME_BYTES 32
+// As files write it: "view-next".
+void action_name(Action action, char out[ACTION_NAME_BYTES]);

@@ -31,7 +31,10 @@ void keyboard_on_key(Keyboard *keyboard, int key, bool pressed, bool shift) {
     if (key < 0 || key >= KEY_LIMIT || is_down(keyboard, key) == pressed)
         return;
     set_down(keyboard, key, pressed);
-    Action action = action_of_key(key, shift);
+    keyboard_on_action(keyboard, action_of_key(key, shift), pressed);
+}
+
+void keyboard_on_action(Keyboard *keyboard, Action action, bool pressed) {
     if (action == ACTION_NONE)
         return;
     if (action < ACTION_HELD_COUNT)
@@ -49,7 +52,7 @@ Action keyboard_next_action(Keyboard *keyboard) {
     return action;
 }
 
-static int direction(const Keyboard *keyboard, Action negative, Action positive) {
+int keyboard_direction(const Keyboard *keyboard, Action negative, Action positive) {
     return (keyboard->held[positive] > 0) - (keyboard->held[negative] > 0);
 }
 
@@ -69,21 +72,25 @@ static double clamp(double value, double least, double greatest) {
 Controls keyboard_sample(Keyboard *keyboard, double dt_s) {
     Controls *controls = &keyboard->controls;
     controls->elevator =
-        move_stick(controls->elevator, direction(keyboard, ACTION_STICK_FORWARD, ACTION_STICK_BACK), dt_s);
-    controls->aileron = move_stick(controls->aileron, direction(keyboard, ACTION_STICK_LEFT, ACTION_STICK_RIGHT), dt_s);
-    controls->rudder += direction(keyboard, ACTION_RUDDER_LEFT, ACTION_RUDDER_RIGHT) * dt_s / KEYBOARD_RUDDER_S;
+        move_stick(controls->elevator, keyboard_direction(keyboard, ACTION_STICK_FORWARD, ACTION_STICK_BACK), dt_s);
+    controls->aileron =
+        move_stick(controls->aileron, keyboard_direction(keyboard, ACTION_STICK_LEFT, ACTION_STICK_RIGHT), dt_s);
+    controls->rudder +=
+        keyboard_direction(keyboard, ACTION_RUDDER_LEFT, ACTION_RUDDER_RIGHT) * dt_s / KEYBOARD_RUDDER_S;
     controls->rudder = clamp(controls->rudder, -1.0, 1.0);
-    controls->throttle += direction(keyboard, ACTION_THROTTLE_DOWN, ACTION_THROTTLE_UP) * dt_s / KEYBOARD_THROTTLE_S;
+    controls->throttle +=
+        keyboard_direction(keyboard, ACTION_THROTTLE_DOWN, ACTION_THROTTLE_UP) * dt_s / KEYBOARD_THROTTLE_S;
     controls->throttle = clamp(controls->throttle, 0.0, 1.0);
-    controls->trim += direction(keyboard, ACTION_TRIM_DOWN, ACTION_TRIM_UP) * dt_s / KEYBOARD_TRIM_S;
+    controls->trim += keyboard_direction(keyboard, ACTION_TRIM_DOWN, ACTION_TRIM_UP) * dt_s / KEYBOARD_TRIM_S;
     controls->trim = clamp(controls->trim, -1.0, 1.0);
     controls->brake_left = controls->brake_right = keyboard->held[ACTION_BRAKES] > 0 ? 1.0 : 0.0;
     return *controls;
 }
 
-void keyboard_move_flaps(Keyboard *keyboard, int steps) {
-    double wanted = round(keyboard->controls.flaps * KEYBOARD_FLAPS_STEPS) + steps;
-    keyboard->controls.flaps = clamp(wanted / KEYBOARD_FLAPS_STEPS, 0.0, 1.0);
+void keyboard_move_flaps(Keyboard *keyboard, bool down) {
+    double notch = keyboard->controls.flaps * KEYBOARD_FLAPS;
+    notch = down ? floor(notch + 1e-6) + 1.0 : ceil(notch - 1e-6) - 1.0;
+    keyboard->controls.flaps = clamp(notch / KEYBOARD_FLAPS, 0.0, 1.0);
 }
 
 void keyboard_set_gear(Keyboard *keyboard, bool up) {

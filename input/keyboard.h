@@ -10,8 +10,8 @@
 #define KEYBOARD_CENTRE_S 0.25  // from full deflection back, after the key is let go
 #define KEYBOARD_RUDDER_S 1.0   // stays where it is left, until centred
 #define KEYBOARD_THROTTLE_S 2.5 // from idle to full; stays
-#define KEYBOARD_TRIM_S 10.0    // from neutral to full; stays
-#define KEYBOARD_FLAPS_STEPS 3
+#define KEYBOARD_TRIM_S 8.0     // from the middle to the end; stays
+#define KEYBOARD_FLAPS 3        // notches from up to full
 
 typedef struct Keyboard {
     uint8_t held[ACTION_HELD_COUNT]; // how many keys hold the action
@@ -25,14 +25,19 @@ Keyboard keyboard_create(double throttle);
 
 // As the window reports them. A release frees what the press held, whatever shift is by then.
 void keyboard_on_key(Keyboard *keyboard, int key, bool pressed, bool shift);
+// The same for what a pad's button does; a release follows each press.
+void keyboard_on_action(Keyboard *keyboard, Action action, bool pressed);
 // The next action that happens once, in order of presses; ACTION_NONE when there is none left.
 Action keyboard_next_action(Keyboard *keyboard);
 
 // Moves the controls on by `dt_s`, and gives them. Stick: deflects while held, re-centres when let go; opposite keys
-// cancel. Rudder, throttle and trim stay where they are left; brakes work while held.
+// cancel. Rudder, throttle and trim stay where they are left. Brakes: full while held.
 Controls keyboard_sample(Keyboard *keyboard, double dt_s);
 void keyboard_centre(Keyboard *keyboard);
-void keyboard_move_flaps(Keyboard *keyboard, int steps); // + out; stays
+// To the next notch, down or up.
+void keyboard_move_flaps(Keyboard *keyboard, bool down);
 void keyboard_set_gear(Keyboard *keyboard, bool up);
+// -1, 0 or 1: which of two held actions is held; opposite ones cancel.
+int keyboard_direction(const Keyboard *keyboard, Action negative, Action positive);
 bool keyboard_touches_controls(const Keyboard *keyboard); // a control key is down
 void keyboard_set_throttle(Keyboard *keyboard, double throttle);

@@ -11,23 +11,24 @@
 #define PAD_NAME_BYTES 128
 #define PAD_PATH_BYTES 256
 
-// X(identifier, name in profiles and reports)
-#define PAD_AXIS_TABLE(X)                                                                                              \
-    X(X, "x")                                                                                                          \
-    X(Y, "y")                                                                                                          \
-    X(Z, "z")                                                                                                          \
-    X(RX, "rx")                                                                                                        \
-    X(RY, "ry")                                                                                                        \
-    X(RZ, "rz")                                                                                                        \
-    X(SLIDER, "slider")                                                                                                \
-    X(DIAL, "dial")                                                                                                    \
-    X(WHEEL, "wheel")                                                                                                  \
-    X(AILERON, "aileron")                                                                                              \
-    X(ELEVATOR, "elevator")                                                                                            \
-    X(RUDDER, "rudder")                                                                                                \
-    X(THROTTLE, "throttle")                                                                                            \
-    X(BRAKE, "brake")                                                                                                  \
-    X(OTHER, "other")
+// ROW(identifier, name in profiles and reports); an axis is called X, so the macro is not
+#define PAD_AXIS_TABLE(ROW)                                                                                            \
+    ROW(X, "x")                                                                                                        \
+    ROW(Y, "y")                                                                                                        \
+    ROW(Z, "z")                                                                                                        \
+    ROW(RX, "rx")                                                                                                      \
+    ROW(RY, "ry")                                                                                                      \
+    ROW(RZ, "rz")                                                                                                      \
+    ROW(SLIDER, "slider")                                                                                              \
+    ROW(DIAL, "dial")                                                                                                  \
+    ROW(WHEEL, "wheel")                                                                                                \
+    ROW(AILERON, "aileron")                                                                                            \
+    ROW(ELEVATOR, "elevator")                                                                                          \
+    ROW(RUDDER, "rudder")                                                                                              \
+    ROW(THROTTLE, "throttle")                                                                                          \
+    ROW(ACCELERATOR, "accelerator")                                                                                    \
+    ROW(BRAKE, "brake")                                                                                                \
+    ROW(OTHER, "other")
 
 typedef enum PadAxisKind {
 #define PAD_AXIS_ENUM(id, name) PAD_AXIS_##id,
@@ -48,6 +49,13 @@ typedef struct PadInfo {
 
 typedef struct PadState {
     double axes[PAD_AXES_MAX];
+    uint32_t axes_unknown;                  // bit i: no report has told axis i yet, and its value means nothing
     uint64_t buttons[PAD_BUTTONS_MAX / 64]; // bit i of word i / 64: button i, from 0, is down
     int8_t hats[PAD_HATS_MAX];              // PAD_HAT_CENTRED, or 0 ahead, 1 ahead right .. 7
 } PadState;
+
+// As before the first report: axes unknown, buttons up, hats centred.
+PadState pad_at_rest(void);
+const char *pad_axis_name(PadAxisKind kind);
+// The kind of that name; PAD_AXIS_KIND_COUNT when there is none.
+PadAxisKind pad_axis_of_name(const char *name);

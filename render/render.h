@@ -5,6 +5,7 @@
 #include "base/base.h"
 #include "base/vec.h"
 #include "render/accuracy.h"
+#include "render/craft/craft_model.h"
 #include "terrain/lod/lod.h"
 #include "terrain/terrain.h"
 
@@ -28,6 +29,16 @@ typedef struct RenderHelpRow {
 } RenderHelpRow;
 
 // What the HUD and the panel say. Text is UTF-8.
+// Where a recorded flight is.
+typedef struct RenderReplay {
+    bool show;
+    double t_s, duration_s;
+    double rate; // below 0: backwards
+    bool paused;
+    bool in_gap;  // nothing is recorded of this time
+    bool derived; // the attitude was worked out from the path
+} RenderReplay;
+
 typedef struct RenderHud {
     bool show_flight, show_numbers, show_help;
     double heading_rad, pitch_rad, bank_rad;
@@ -35,6 +46,14 @@ typedef struct RenderHud {
     Vec3d velocity_ecef;                                                        // m/s, for the flight path marker
     bool over_terrain;                                                          // above_ground_m is valid
     bool crashed, paused;
+    double alpha_rad;   // angle of attack; NaN: not told
+    bool stalls;        // or is about to
+    double flaps;       // 0 up .. 1 full
+    bool gear_retracts; // `gear` is told
+    double gear;        // 0 up .. 1 down and locked
+    bool brakes, autopilot;
+    bool outside; // the camera is not on board: instead of the attitude the aircraft is marked where it is small, at
+    Vec3d aircraft_ecef, nose_ecef, wing_ecef; // metres; unit, ahead; unit, to the right
     bool show_names;               // where the picture is split and show_numbers is not set: the methods and their cuts
     const char *datum;             // of altitude_m: "EGM96"; static
     const char *method;            // lod_method_name of what made the cut; static, or NULL
@@ -45,8 +64,18 @@ typedef struct RenderHud {
     const RenderHelpRow *help;     // the page of keys, help_count rows; static
     int help_count;
     const char *message; // one line for a few seconds, or NULL; lives as long as the packet
+    RenderReplay replay;
     RenderAccuracy accuracy;
 } RenderHud;
+
+// An aircraft to be seen from outside.
+typedef struct RenderCraft {
+    bool show; // false: the rest is not looked at, and nothing is made for it
+    CraftKind kind;
+    Vec3d position_ecef;  // of the shape's origin, see render/craft/craft_shape.h
+    Quatd ecef_from_body; // unit; body axes: x ahead, y right, z down
+    CraftPose pose;
+} RenderCraft;
 
 // Immutable once handed over. Cuts and what they point to live until lod_release of their frames. Cuts in one renderer
 // are of Lods with different LodOptions.serial.
@@ -58,6 +87,7 @@ typedef struct RenderPacket {
     RenderCamera camera;
     Vec3d sun_ecef; // unit vector towards the sun
     RenderColouring colouring;
+    RenderCraft craft;
     bool wireframe;
     bool magenta_background; // for the pinhole test: the sky is one flat (255, 0, 255), one sample a pixel, and level,
                              // cache and partition colours are without light and air

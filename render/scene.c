@@ -2,6 +2,7 @@
 
 #include "base/log.h"
 #include "render/atmosphere.h"
+#include "render/craft/craft_pass.h"
 #include "render/diamond/diamond_pass.h"
 #include "render/gl.h"
 #include "render/ground/drape.h"
@@ -27,6 +28,8 @@ struct Scene {
     Ground *ground;
     Drape *drape; // NULL: no image
     SkyPass *sky_pass;
+    CraftPass *craft_pass;              // NULL until an aircraft is shown
+    bool craft_refused;                 // it could not be made, and the log said why
     GLuint land_program, shore_program; // patches without water, and with
     GLuint wire_program;                // 0 until it is called for
     GLuint frame_buffer;                // uniform block
@@ -105,6 +108,7 @@ void scene_destroy(Scene **scene) {
         diamond_pass_destroy(&self->diamond_passes[i]);
     }
     sky_pass_destroy(&self->sky_pass);
+    craft_pass_destroy(&self->craft_pass);
     atmosphere_destroy(&self->atmosphere);
     ground_destroy(&self->ground);
     drape_destroy(&self->drape);
@@ -218,6 +222,16 @@ static void draw_land(Scene *scene, const RenderPacket *packet, const SceneView 
     diamond_pass_draw(scene->diamond_passes[view->index], packet->colouring);
 }
 
+// A flight without its aircraft is better than none.
+static void draw_craft(Scene *scene, const RenderCraft *craft) {
+    if (!craft->show || scene->craft_refused)
+        return;
+    Result result = scene->craft_pass ? RESULT_OK : craft_pass_create(&scene->craft_pass);
+    if (result == RESULT_OK)
+        result = craft_pass_draw(scene->craft_pass, &scene->frame, craft);
+    scene->craft_refused = result != RESULT_OK;
+}
+
 void scene_draw(Scene *scene, const RenderPacket *packet, const SceneView *view, unsigned framebuffer) {
     atmosphere_update(scene->atmosphere, scene->frame.eye_h_m, scene->frame.mu_sun);
     set_state(framebuffer, view);
@@ -225,6 +239,7 @@ void scene_draw(Scene *scene, const RenderPacket *packet, const SceneView *view,
     draw_land(scene, packet, view);
     if (!packet->magenta_background)
         sky_pass_draw(scene->sky_pass, &scene->frame);
+    draw_craft(scene, &packet->craft);
     if (packet->wireframe)
         draw_wire(scene, view);
     glDisable(GL_SCISSOR_TEST);

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """`overfly bench` from outside, at tiny sizes: its report in a browser, its figures in CSV and JSON, how it repeats and
 how it refuses. Usage: test_bench.py OVERFLY [NAME]..."""
+import contextlib
 import csv
 import json
 import math
@@ -9,7 +10,7 @@ import shlex
 import shutil
 import sys
 
-from cli_support import DEM, Cli, Skip, expect, expect_true, run_cases
+from cli_support import DEM, Cli, Fault, Skip, expect, expect_true, run_cases
 
 TINY = ["--quick", "--methods", "hybrid,geomipmap,geomipmap-ye", "--tau", "2,4", "--errors", "midpoint,total:8",
         "--track", "ridge,turn", "--frames", "6", "--rounds", "5", "--size", "96x64", "--threads", "2"]
@@ -115,7 +116,7 @@ def summaries_are_those_of_the_frames(cli):
 def the_command_of_the_worst_frame_measures_it_again(cli):
     for run in cli.report("first")[1]["runs"]:
         words = shlex.split(run["worst_frame"]["command"])
-        expect("program", words[0], "overfly")
+        expect("program, as it was called", words[0], cli.program)
         code, out, err = cli.run(*words[1:], "--json")
         expect(f"exit status, having said {err!r}", code, 0)
         expect(f"{run['variant']}: error", json.loads(out)["measured"]["max_px"], run["worst_frame"]["max_px"])
@@ -165,8 +166,10 @@ def names_are_no_commands(cli):
     flight = os.path.join(cli.report("first")[0], "flight-jacksboro_fault-turn.csv")
     name = "x`touch owned`'\".csv"
     shutil.copy(flight, os.path.join(cli.folder, name))
-    code, _, err = cli.run("bench", *SMALL, "--methods", "hybrid", "--track", "./" + name, "-o", "names")
+    code, out, err = cli.run("bench", *SMALL, "--methods", "hybrid", "--tau", "2", "--track", "./" + name, "-o", "names")
     expect(f"exit status, having said {err!r}", code, 0)
+    expect_true(f"one is no plural: {out!r}", "6 frames of 1 flight, 1 round; " in out and
+                "the one run that promises a bound kept it" in out)
     expect_true("a file name was run", not any("owned" in files for _, _, files in os.walk(cli.folder)))
 
 
@@ -216,22 +219,36 @@ def several_dems_stand_side_by_side(cli):
 
 def mistakes_are_named(cli):
     quick = ["bench", *TINY]
-    cli.refused(2, ["--methods: found 'hybrd'", "did you mean 'hybrid'"], *quick, "--methods", "hybrd")
-    cli.refused(2, ["--methods: found ',hybrid'"], *quick, "--methods", ",hybrid")
-    cli.refused(2, ["--tau: found '1,x'", "0.01 to 1000"], *quick, "--tau", "1,x")
-    cli.refused(2, ["--tau: found '0'"], *quick, "--tau", "0")
-    cli.refused(2, ["--tau: found 'nan'"], *quick, "--tau", "nan")
-    cli.refused(2, ["--errors: found 'tottal'"], *quick, "--errors", "tottal")
-    cli.refused(2, ["--track: found 'rigde'", "did you mean 'ridge'"], *quick, "--track", "rigde")
-    cli.refused(2, ["--tau: found '1,'"], *quick, "--tau", "1,")
-    cli.refused(2, ["--methods: found 'hybrid,'"], *quick, "--methods", "hybrid,")
+    cli.refused(2, ["--methods: ", "found 'hybrd'; did you mean 'hybrid'"], *quick, "--methods", "hybrd")
+    cli.refused(2, ["found 'geomipmap:center'; did you mean 'geomipmap:centre'"], *quick, "--methods", "geomipmap:center")
+    cli.refused(2, ["found 'hybridhybridhybridhybri...'"], *quick, "--methods", 99 * "hybrid")
+    for empty in (",hybrid", "hybrid,", "hybrid,,roam"):
+        cli.refused(2, ["--methods: ", "found an empty entry\n"], *quick, "--methods", empty)
+    cli.refused(2, ["--tau: ", "0.01 to 1000", "found 'x'"], *quick, "--tau", "1,x")
+    cli.refused(2, ["--tau: ", "found '0'"], *quick, "--tau", "0")
+    cli.refused(2, ["--tau: ", "found 'nan'"], *quick, "--tau", "nan")
+    cli.refused(2, ["--tau: ", "found an empty entry"], *quick, "--tau", "1,")
+    cli.refused(2, ["--tau: expected at most 12"], *quick, "--tau", "1,2,3,4,5,6,7,8,9,10,11,12,13")
+    cli.refused(2, ["--errors: ", "found 'tottal'"], *quick, "--errors", "tottal")
+    cli.refused(2, ["--track: ", "found 'rigde'; did you mean 'ridge'"], *quick, "--track", "rigde")
     cli.refused(1, ["no/flight.csv"], *quick, "--track", "no/flight.csv")
     cli.refused(1, ["no-such.tif"], "bench", "no-such.tif", *TINY)
-    cli.refused(2, ["--tau: found '1,2'", "one number"], "bench", "refine", "--tau", "1,2")
+    cli.refused(2, ["--tau: expected one number", "found '1,2'"], "bench", "refine", "--tau", "1,2")
+    cli.refused(2, ["--sides: expected", "found '4'"], "bench", "preprocess", "--sides", "4")
     cli.refused(1, ["gnuplot", "apt-get install gnuplot-nox"], *quick, "-o", "report", PATH="/nowhere")
     with open(os.path.join(cli.folder, "file"), "w", encoding="utf-8"):
         pass
     cli.refused(1, ["file"], *quick, "-o", "file/report")
+
+
+def what_is_not_heeded_is_told(cli):
+    """All of it before the elevation model, which is not there."""
+    run = cli.run("bench", "no-such.tif", *SMALL, "--methods", "roam,roam", "--tau", "2,2", "--target-ms", "16", "--sides",
+                  "5", "--eye", "36,-84,1000")
+    for said in ("--methods: 'roam' is there already", "--tau: 2 is there already",
+                 "--target-ms: only of 'bench governor'; ignored here", "--sides: only of 'bench preprocess'; ignored here",
+                 "--eye: only of 'bench refine', 'partitions', 'governor' and 'panel'; flights are chosen with --track here"):
+        expect(f"{said!r} in {run.err!r}", run.err.count("warning: " + said), 1)
 
 
 def nothing_is_left_behind_by_what_was_refused(cli):
@@ -239,21 +256,40 @@ def nothing_is_left_behind_by_what_was_refused(cli):
     expect("folder", os.path.exists(os.path.join(cli.folder, "never")), False)
 
 
+@contextlib.contextmanager
 def open_browser(folder):
+    """A browser, and the driver between, which is ended whatever becomes of them."""
     try:
         from selenium import webdriver
+        from selenium.common.exceptions import WebDriverException
+        from selenium.webdriver.common import utils
     except ImportError as missing:
         raise Skip("python3-selenium is not there") from missing
     if not shutil.which("chromium") or not shutil.which("chromedriver"):
         raise Skip("chromium or its driver is not there")
+
+    class Service(webdriver.chrome.service.Service):
+        """Reached by its address, as its browser is by a pipe: a bare machine's `localhost` has no address."""
+        service_url = property(lambda self: f"http://127.0.0.1:{self.port}")
+
+        def is_connectable(self):
+            return utils.is_connectable(self.port, "127.0.0.1")
+
     options = webdriver.ChromeOptions()
     options.binary_location = shutil.which("chromium")
     for argument in ("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking",
-                     "--disable-component-update", "--disable-sync", f"--user-data-dir={folder}/browser"):
+                     "--disable-component-update", "--disable-sync", "--remote-debugging-pipe",
+                     f"--user-data-dir={folder}/browser"):
         options.add_argument(argument)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    service = webdriver.chrome.service.Service(shutil.which("chromedriver"))
-    return webdriver.Chrome(service=service, options=options)
+    service = Service(shutil.which("chromedriver"))
+    try:
+        yield webdriver.Chrome(service=service, options=options)
+    except WebDriverException as failed:
+        raise Fault(f"the browser or its driver: {failed.msg}") from failed
+    finally:
+        if getattr(service, "process", None):
+            service.stop()  # and with it its browsers
 
 
 def column_of(browser, column):
@@ -269,8 +305,7 @@ def click_title(browser, column):
 
 def the_report_works_in_a_browser(cli):
     folder, report = cli.report("first")
-    browser = open_browser(cli.folder)
-    try:
+    with open_browser(cli.folder) as browser:
         browser.get(f"file://{folder}/report.html")
         pictures = browser.execute_script(
             "return Array.from(document.images).map(i => [i.alt, i.complete && i.naturalWidth > 0])")
@@ -281,11 +316,24 @@ def the_report_works_in_a_browser(cli):
         outside = browser.execute_script("return performance.getEntriesByType('resource').map(r => r.name)"
                                          ".filter(name => !name.startsWith('data:'))")
         expect("what the page asks for", outside, [])
+        check_wide_table(browser)
         check_sorting(browser, len(report["runs"]))
         expect("console", [entry for entry in browser.get_log("browser")], [])
         check_themes(browser)
-    finally:
-        browser.quit()
+
+
+def check_wide_table(browser):
+    """It scrolls in a box of its own, beside the names of its rows; the page does not."""
+    browser.set_window_size(1280, 900)
+    page, box, left, name = browser.execute_script("""
+        const box = document.querySelector('.scroll'), page = document.documentElement;
+        box.scrollLeft = 500;
+        const name = box.querySelector('tbody td').getBoundingClientRect();
+        return [[page.scrollWidth, window.innerWidth], [box.scrollWidth, box.clientWidth], box.scrollLeft,
+                [name.left, box.getBoundingClientRect().left]];""")
+    expect_true(f"the page is as wide as the window: {page}", page[0] <= page[1])
+    expect_true(f"the table is wider than its box, which scrolls: {box}, {left}", box[0] > box[1] and left > 100)
+    expect("where the name is", name[0], name[1])
 
 
 def check_sorting(browser, count):
@@ -326,7 +374,7 @@ CASES = [all_files_are_there, json_keeps_its_contract, promises_are_those_of_the
          where_nothing_is_promised_nothing_is_said_to_hold, names_that_are_alike_are_told_apart, names_are_no_commands,
          mistakes_are_found_before_the_work, other_kinds_of_errors_cost_and_give_what_they_should,
          a_flight_from_a_file_is_flown, several_dems_stand_side_by_side, mistakes_are_named,
-         nothing_is_left_behind_by_what_was_refused, a_style_matches_what_gnuplot_writes,
+         what_is_not_heeded_is_told, nothing_is_left_behind_by_what_was_refused, a_style_matches_what_gnuplot_writes,
          the_report_works_in_a_browser]
 
 

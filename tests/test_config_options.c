@@ -42,6 +42,15 @@ static void every_row_is_whole(void **state) {
     }
 }
 
+static void the_program_has_the_name_it_was_called_by(void **state) {
+    (void)state;
+    Options *options = create(COMMAND_FLY);
+    assert_string_equal(options_program(options), "overfly");
+    options_name_program(options, "build/release/overfly");
+    assert_string_equal(options_program(options), "build/release/overfly");
+    options_destroy(&options);
+}
+
 static void command_line_forms_mean_the_same(void **state) {
     (void)state;
     static const struct {
@@ -280,6 +289,7 @@ static void distances_count_edits(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_row_is_whole),
+        cmocka_unit_test(the_program_has_the_name_it_was_called_by),
         cmocka_unit_test(command_line_forms_mean_the_same),
         cmocka_unit_test(flags_are_turned_on_and_off),
         cmocka_unit_test(a_choice_may_take_a_number),

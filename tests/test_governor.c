@@ -347,6 +347,35 @@ static void test_what_is_out_of_reach_does_not_flicker(void **state) {
     assert_true(turns < 40);
 }
 
+// How often it is said over `seconds` of frames of 50 ms.
+static int notices(GovernorNotice *notice, Governor *g, GovernorReach reach, double seconds) {
+    int said = 0;
+    g->reach = reach;
+    for (double s = 0.0; s < seconds; s += 0.05)
+        said += governor_notice_slow(notice, g, 0.05);
+    print_message("%s for %g s: said %d times\n", governor_reach_name(reach), seconds, said);
+    return said;
+}
+
+static void test_slow_frames_are_told_of_once(void **state) {
+    (void)state;
+    Governor g = governor_create(20.0, 2.0);
+    GovernorNotice notice = {0};
+    assert_int_equal(notices(&notice, &g, GOVERNOR_IN_REACH, 10.0), 0);
+    assert_int_equal(notices(&notice, &g, GOVERNOR_TOO_FAST, 10.0), 0);
+    assert_int_equal(notices(&notice, &g, GOVERNOR_TOO_SLOW, 1.0), 0); // not yet
+    assert_int_equal(notices(&notice, &g, GOVERNOR_IN_REACH, 0.1), 0);
+    assert_int_equal(notices(&notice, &g, GOVERNOR_TOO_SLOW, 1.5), 0); // not in a row
+    assert_int_equal(notices(&notice, &g, GOVERNOR_TOO_SLOW, 60.0), 1);
+    assert_int_equal(notices(&notice, &g, GOVERNOR_IN_REACH, 1.0), 0);
+    assert_int_equal(notices(&notice, &g, GOVERNOR_TOO_SLOW, 60.0), 0); // it was hardly away
+    assert_int_equal(notices(&notice, &g, GOVERNOR_IN_REACH, 10.0), 0);
+    assert_int_equal(notices(&notice, &g, GOVERNOR_TOO_SLOW, 60.0), 1);
+    governor_set_target(&g, 10.0);
+    g.settled = true;
+    assert_int_equal(notices(&notice, &g, GOVERNOR_TOO_SLOW, 0.2), 1); // of another target, and at once
+}
+
 static void test_frames_that_tell_nothing_change_nothing(void **state) {
     (void)state;
     static const double NONSENSE[] = {0.0, -1.0, NAN, INFINITY};
@@ -376,6 +405,7 @@ int main(void) {
         cmocka_unit_test(test_another_method_is_met_as_a_new_flight_is),
         cmocka_unit_test(test_a_view_left_after_a_rest_is_followed_from_what_its_frames_cost_now),
         cmocka_unit_test(test_what_is_out_of_reach_does_not_flicker),
+        cmocka_unit_test(test_slow_frames_are_told_of_once),
         cmocka_unit_test(test_frames_that_tell_nothing_change_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

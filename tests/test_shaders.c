@@ -32,6 +32,8 @@ static const Variants VARIANTS[] = {
     {{"terrain.vert", "wire.geom", "wire.frag"}, {NULL}, ""},
     {{"sky.vert", "sky.frag"}, {NULL}, ""},
     {{"sky.vert", "globe.frag"}, {"DRAPE", "SEA"}, ""},
+    {{"craft.vert", "craft.frag"}, {NULL}, ""},
+    {{"craft_shadow.vert", "craft_shadow.frag"}, {NULL}, ""},
     {{"fullscreen.vert", "atmosphere_transmittance.frag"}, {NULL}, ""},
     {{"fullscreen.vert", "atmosphere_multiple.frag"}, {NULL}, ""},
     {{"fullscreen.vert", "atmosphere_ground.frag"}, {NULL}, "GROUND_LIGHT_WIDTH=64 GROUND_LIGHT_HEIGHT=4"},

@@ -107,10 +107,10 @@ static Vec3d place(const Track *track, double t_s) {
 
 static void test_points_are_met_and_the_way_between_has_no_kinks(void **state) {
     (void)state;
-    TrackPoint points[] = {{0, {46, 8, 2000, 10, -5}},
-                           {2, {46.001, 8.001, 2100, 30, -6}},
-                           {5, {46.003, 8.001, 2050, 350, 5}},
-                           {6, {46.004, 8.003, 2000, 270, 0}}};
+    TrackPoint points[] = {{.t_s = 0, .at = {46, 8, 2000, 10, -5}},
+                           {.t_s = 2, .at = {46.001, 8.001, 2100, 30, -6}},
+                           {.t_s = 5, .at = {46.003, 8.001, 2050, 350, 5}},
+                           {.t_s = 6, .at = {46.004, 8.003, 2000, 270, 0}}};
     Track track = track_of(points, COUNT_OF(points));
     for (size_t i = 0; i < COUNT_OF(points); i++) {
         Viewpoint at = track_at(&track, points[i].t_s);
@@ -129,7 +129,7 @@ static void test_points_are_met_and_the_way_between_has_no_kinks(void **state) {
 
 static void test_directions_go_the_short_way_round(void **state) {
     (void)state;
-    TrackPoint points[] = {{0, {0, 179.999, 100, 350, 0}}, {1, {0, 180.001, 100, 10, 0}}};
+    TrackPoint points[] = {{.t_s = 0, .at = {0, 179.999, 100, 350, 0}}, {.t_s = 1, .at = {0, 180.001, 100, 10, 0}}};
     Track track = track_of(points, COUNT_OF(points));
     Viewpoint middle = track_at(&track, 0.5);
     assert_true(middle.heading_deg < 0.01 || middle.heading_deg > 359.99);

@@ -64,7 +64,8 @@ install_by_hand() {
     for tool in cmake ninja cc c++ pkg-config; do
         command -v "$tool" >/dev/null || absent+=("$tool")
     done
-    for module in epoxy glfw3 OpenImageIO geographiclib libtiff-4 minizip zlib libcjson inih; do
+    for module in epoxy glfw3 OpenImageIO geographiclib libtiff-4 minizip zlib libcjson inih hidapi-hidraw \
+        libusb-1.0; do
         pkg-config --exists "$module" 2>/dev/null || absent+=("$module")
     done
     [ ${#absent[@]} -eq 0 ] && return

@@ -164,16 +164,17 @@ void accuracy_command(const Accuracy *accuracy, const AccuracyRun *run, int fram
     const AccuracyDem *dem = &accuracy->dems[run->dem];
     const AccuracyVariant *variant = &plan->variants[run->variant];
     const Viewpoint *at = &dem->poses[frame].at;
-    char place[600], others[600] = "";
+    char program[600], place[600], others[600] = "";
+    quote(options_program(plan->options), program, sizeof program);
     quote(dem->place, place, sizeof place);
     put_mesh_options(plan->options, others, sizeof others);
     const char *bound = scene_bound_corner(plan->options)    ? " --bound corner"
                         : variant->bound == LOD_BOUND_CENTRE ? " --bound centre"
                                                              : "";
     snprintf(out, size,
-             "overfly mesh%s%s --method %s%s --error %s --tau %.17g --size %dx%d --fov %.17g "
+             "%s mesh%s%s --method %s%s --error %s --tau %.17g --size %dx%d --fov %.17g "
              "--eye %.9f,%.9f,%.3f --look %.6f,%.6f%s",
-             *dem->place ? " " : "", *dem->place ? place : "", lod_method_name(variant->method), bound,
+             program, *dem->place ? " " : "", *dem->place ? place : "", lod_method_name(variant->method), bound,
              plan->kinds[variant->kind].name, run->tau_px, plan->width, plan->height,
              options_number(plan->options, OPTION_FOV), at->lat_deg, at->lon_deg, at->alt_m, at->heading_deg,
              at->pitch_deg, others);

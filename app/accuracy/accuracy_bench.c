@@ -46,6 +46,8 @@ Result bench_accuracy(const Options *options) {
     Result result = plan && accuracy ? accuracy_plan(options, plan) : RESULT_MEMORY;
     if (result == RESULT_OK && folder)
         result = accuracy_check_report(folder);
+    if (result == RESULT_OK && !folder && !options_flag(options, OPTION_JSON))
+        log_info("bench: a table only: no report is written without -o DIR");
     if (result == RESULT_OK)
         result = accuracy_run(plan, accuracy);
     if (result == RESULT_OK)

@@ -2,11 +2,9 @@
 #include "app/accuracy/accuracy_plots.h"
 #include "app/text_file.h"
 #include "assets/image.h"
-#include "base/log.h"
 #include "config/files.h"
 
-#include <errno.h>
-#include <string.h>
+#include <stdio.h>
 
 Result accuracy_check_report(const char *folder) {
     Result result = accuracy_check_plots();
@@ -49,14 +47,13 @@ static Result write_file(const Accuracy *accuracy, const char *folder, const cha
 
 static Result write_flight(const AccuracyDem *dem, const char *stem, int flight, const char *folder) {
     char path[PATHS_BYTES_MAX];
+    TextFile file;
     snprintf(path, sizeof path, "%s/flight-%s-%s.csv", folder, stem, dem->tracks[flight].name);
-    FILE *file = fopen(path, "w");
-    bool written = file && track_write(&dem->tracks[flight], file);
-    if (file && fclose(file) != 0)
-        written = false;
-    if (!written)
-        log_error("%s: writing failed: %s", path, strerror(errno));
-    return written ? RESULT_OK : RESULT_IO;
+    Result result = text_file_begin(path, &file);
+    if (result != RESULT_OK)
+        return result;
+    (void)track_write(&dem->tracks[flight], file.to); // what the stream does not take, text_file_end tells
+    return text_file_end(&file, RESULT_OK);
 }
 
 static Result write_flights(const Accuracy *accuracy, const char *folder) {

@@ -121,8 +121,8 @@ static void put_unequal_cuts(const Page *page) {
         unequal += !page->accuracy->runs[i].summary.same_cuts;
     if (unequal)
         html_format(page->to,
-                    "%d runs were timed over other cuts than were measured: their times are not those of the "
-                    "errors beside them. ",
+                    "Runs that were timed over other cuts than were measured, so that their times are not those of the "
+                    "errors beside them: %d. ",
                     unequal);
 }
 
@@ -154,7 +154,7 @@ static void put_run_row(const Page *page, const AccuracyRun *run) {
     html_cell_text(page->accuracy->plan.variants[run->variant].name, "", to);
     html_cell_number(run->tau_px, 2, to);
     put_promise(run, to);
-    html_cell_number(s->reached_px, 2, to);
+    html_cell_number(s->promised ? s->reached_px : NAN, 2, to);
     html_cell_number(s->max_px, 3, to);
     html_cell_number(s->p999_px, 3, to);
     html_cell_number(s->p99_px, 3, to);
@@ -346,7 +346,7 @@ static Result put_dem(const Page *page, int dem) {
     fputs(
         "<h3>All runs</h3>\n<p class=\"dim\">Errors are of every sample in every frame. Times are of all frames in all "
         "rounds but the first of each burst, those of single stages the means of the rounds' medians; \"least\" and "
-        "\"most round\" are the p50 of single rounds.</p>\n",
+        "\"most round\" are the p50 of single rounds. The table scrolls sideways.</p>\n",
         to);
     put_runs(page, dem);
     fputs(

@@ -12,18 +12,6 @@
 
 #define ROUNDS_MAX 64 // of building a hierarchy
 
-// FNV-1a over the heights' bits.
-static uint64_t hash_heights(const Dem *dem) {
-    uint64_t hash = UINT64_C(14695981039346656037);
-    size_t count = (size_t)dem->width * (size_t)dem->height;
-    for (size_t i = 0; i < count; i++) {
-        uint32_t bits;
-        memcpy(&bits, &dem->height_m[i], sizeof bits);
-        hash = (hash ^ bits) * UINT64_C(1099511628211);
-    }
-    return hash;
-}
-
 static void describe(const AccuracyPlan *plan, int index, AccuracyDem *dem) {
     const World *world = &dem->worlds[0];
     const Dem *heights = terrain_dem(world->terrain);
@@ -33,7 +21,7 @@ static void describe(const AccuracyPlan *plan, int index, AccuracyDem *dem) {
     snprintf(dem->datum, sizeof dem->datum, "%s", heights->datum == DEM_DATUM_EGM96 ? "EGM96" : "ellipsoid");
     dem->width = heights->width;
     dem->height = heights->height;
-    dem->hash = hash_heights(heights);
+    dem->hash = dem_hash(heights);
     if (dem_spacing_m(heights, dem->spacing_m) != RESULT_OK)
         dem->spacing_m[0] = dem->spacing_m[1] = 0.0;
 }

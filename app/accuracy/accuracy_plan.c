@@ -22,18 +22,27 @@
 #define QUICK_WIDTH 400
 #define QUICK_HEIGHT 250
 #define CENTRE ":centre"
+#define WORD_BYTES 24 // more than any name needs
 
-// The next part of a list separated by commas, of at most size - 1 bytes; false when it is longer, or nothing, as
-// before a comma too many.
-static bool next_word(const char **list, char *out, size_t size) {
+typedef struct Word {
+    char text[WORD_BYTES + 8]; // "..." behind what is longer than any name
+} Word;
+
+// The next part of a list separated by commas, "" before a comma too many; the list becomes NULL behind its last one.
+static Word next_word(const char **list) {
+    Word word;
     size_t length = strcspn(*list, ",");
-    bool comma = (*list)[length] == ',', more = (*list)[length] && (*list)[length + 1];
-    if (length == 0 || length >= size || (comma && !more))
-        return false;
-    memcpy(out, *list, length);
-    out[length] = '\0';
-    *list += length + comma;
-    return true;
+    snprintf(word.text, sizeof word.text, "%.*s%s", length < WORD_BYTES ? (int)length : WORD_BYTES - 1, *list,
+             length < WORD_BYTES ? "" : "...");
+    *list = (*list)[length] ? *list + length + 1 : NULL;
+    return word;
+}
+
+// As messages tell it.
+static Word shown(const char *text) {
+    Word word;
+    snprintf(word.text, sizeof word.text, *text ? "'%.26s'" : "an empty entry", text);
+    return word;
 }
 
 static const char *text_or(const Options *options, OptionId id, const char *otherwise) {
@@ -53,10 +62,9 @@ static Result add_kind(AccuracyPlan *plan, const char *name) {
     AccuracyKind *kind = &plan->kinds[plan->kind_count];
     Result result = scene_error_kind(plan->options, name, &kind->terrain);
     if (result != RESULT_OK) {
-        log_error("--errors: found '%s'; expected 'midpoint', 'total' or 'total:N' with N a power of two up to 1024, "
-                  "separated by "
-                  "commas",
-                  name);
+        log_error("--errors: expected 'midpoint', 'total' or 'total:N' with N a power of two up to 1024, separated by "
+                  "commas; found %s",
+                  shown(name).text);
         return RESULT_USAGE;
     }
     snprintf(kind->name, sizeof kind->name, "%s", name);
@@ -65,28 +73,30 @@ static Result add_kind(AccuracyPlan *plan, const char *name) {
 }
 
 static Result read_kinds(AccuracyPlan *plan) {
-    char name[24];
     const char *list = text_or(plan->options, OPTION_ERRORS, plan->quick ? QUICK_KINDS : FULL_KINDS);
     Result result = add_kind(plan, options_text(plan->options, OPTION_ERROR));
-    while (result == RESULT_OK && *list)
-        result = next_word(&list, name, sizeof name) ? add_kind(plan, name) : add_kind(plan, list);
+    while (result == RESULT_OK && list)
+        result = add_kind(plan, next_word(&list).text);
     return result;
 }
 
 // ---- methods ----
 
 static Result refuse_method(const char *name) {
-    const char *names[LOD_METHOD_COUNT];
+    const char *names[2 * LOD_METHOD_COUNT]; // with CENTRE in the second half
+    Word centre[LOD_METHOD_COUNT];
     char all[256];
     size_t used = 0;
     for (int i = 0; i < LOD_METHOD_COUNT; i++) {
         names[i] = lod_method_name((LodMethod)i);
+        snprintf(centre[i].text, sizeof centre[i].text, "%.16s" CENTRE, names[i]);
+        names[LOD_METHOD_COUNT + i] = centre[i].text;
         used += (size_t)snprintf(all + used, sizeof all - used, "%s%s", i ? ", " : "", names[i]);
     }
-    const char *nearest = suggest_nearest(name, names, LOD_METHOD_COUNT);
-    log_error("--methods: found '%s'; expected some of %s, separated by commas, each with '" CENTRE
-              "' behind it where its bound is to be kept at every sample%s%s%s",
-              name, all, nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+    const char *nearest = suggest_nearest(name, names, 2 * LOD_METHOD_COUNT);
+    log_error("--methods: expected some of %s, separated by commas, each with '" CENTRE
+              "' behind it where its bound is to be kept at every sample; found %s%s%s%s",
+              all, shown(name).text, nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
     return RESULT_USAGE;
 }
 
@@ -120,7 +130,11 @@ static Result add_method(AccuracyPlan *plan, const char *name) {
             continue;
         variant.method = (LodMethod)i;
         snprintf(variant.name, sizeof variant.name, "%s", name);
-        return is_planned(plan, &variant) ? RESULT_OK : add_variant(plan, &variant);
+        if (!is_planned(plan, &variant))
+            return add_variant(plan, &variant);
+        if (options_is_given(plan->options, OPTION_METHODS))
+            log_warn("--methods: '%s' is there already, and run once", name);
+        return RESULT_OK;
     }
     return refuse_method(name);
 }
@@ -152,15 +166,14 @@ static Result add_kind_variants(AccuracyPlan *plan) {
 }
 
 static Result read_methods(AccuracyPlan *plan) {
-    char name[32];
     const char *list = options_text(plan->options, OPTION_METHODS);
     if (!list && options_is_given(plan->options, OPTION_METHOD))
         list = options_text(plan->options, OPTION_METHOD);
     if (!list)
         list = plan->quick ? QUICK_METHODS : FULL_METHODS;
     Result result = RESULT_OK;
-    while (result == RESULT_OK && *list)
-        result = next_word(&list, name, sizeof name) ? add_method(plan, name) : refuse_method(list);
+    while (result == RESULT_OK && list)
+        result = add_method(plan, next_word(&list).text);
     return result == RESULT_OK ? add_kind_variants(plan) : result;
 }
 
@@ -171,31 +184,33 @@ static int compare_numbers(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-static Result read_taus(AccuracyPlan *plan) {
-    const char *list = text_or(plan->options, OPTION_BENCH_TAU, plan->quick ? QUICK_TAUS : FULL_TAUS);
-    for (const char *next = list; *next;) {
-        char *end;
-        double tau = strtod(next, &end);
-        if (end == next || (*end && *end != ',') || !(tau >= 0.01 && tau <= 1000.0) ||
-            plan->tau_count == ACCURACY_TAUS_MAX) {
-            log_error("--tau: found '%s'; expected up to %d numbers from 0.01 to 1000, separated by commas", list,
-                      ACCURACY_TAUS_MAX);
-            return RESULT_USAGE;
-        }
-        plan->tau_px[plan->tau_count++] = tau;
-        next = *end ? end + 1 : end;
-    }
-    if (list[strlen(list) - 1] == ',') {
-        log_error("--tau: found '%s'; expected a number behind the last comma", list);
+static Result add_tau(AccuracyPlan *plan, const char *text) {
+    char *end;
+    double tau = strtod(text, &end);
+    if (end == text || *end || !(tau >= 0.01 && tau <= 1000.0)) {
+        log_error("--tau: expected numbers from 0.01 to 1000, separated by commas; found %s", shown(text).text);
         return RESULT_USAGE;
     }
-    qsort(plan->tau_px, (size_t)plan->tau_count, sizeof *plan->tau_px, compare_numbers);
-    int kept = 1; // those given twice are run once
-    for (int i = 1; i < plan->tau_count; i++)
-        if (plan->tau_px[i] != plan->tau_px[kept - 1])
-            plan->tau_px[kept++] = plan->tau_px[i];
-    plan->tau_count = kept;
+    for (int i = 0; i < plan->tau_count; i++)
+        if (plan->tau_px[i] == tau) {
+            log_warn("--tau: %s is there already, and run once", text);
+            return RESULT_OK;
+        }
+    if (plan->tau_count == ACCURACY_TAUS_MAX) {
+        log_error("--tau: expected at most %d numbers", ACCURACY_TAUS_MAX);
+        return RESULT_USAGE;
+    }
+    plan->tau_px[plan->tau_count++] = tau;
     return RESULT_OK;
+}
+
+static Result read_taus(AccuracyPlan *plan) {
+    const char *list = text_or(plan->options, OPTION_BENCH_TAU, plan->quick ? QUICK_TAUS : FULL_TAUS);
+    Result result = RESULT_OK;
+    while (result == RESULT_OK && list)
+        result = add_tau(plan, next_word(&list).text);
+    qsort(plan->tau_px, (size_t)plan->tau_count, sizeof *plan->tau_px, compare_numbers);
+    return result;
 }
 
 // ---- flights ----
@@ -214,7 +229,7 @@ static Result check_flight(const char *name) {
     for (int i = 0; i < TRACK_KIND_COUNT; i++)
         names[i] = track_kind_name((TrackKind)i);
     const char *nearest = suggest_nearest(name, names, TRACK_KIND_COUNT);
-    log_error("--track: found '%s'; expected some of " FLIGHTS ", or CSV files, separated by commas%s%s%s", name,
+    log_error("--track: expected some of " FLIGHTS ", or CSV files, separated by commas; found '%s'%s%s%s", name,
               nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
     return RESULT_USAGE;
 }
@@ -278,11 +293,20 @@ static void read_counts(AccuracyPlan *plan) {
 
 // Options of the benchmarks of single parts.
 static void warn_of_unused(const Options *options) {
-    static const OptionId unused[] = {OPTION_EYE,   OPTION_LOOK,     OPTION_SPEED,    OPTION_HEIGHT,
-                                      OPTION_SIDES, OPTION_VERTICES, OPTION_TARGET_MS};
+#define FLOWN "only of 'bench refine', 'partitions', 'governor' and 'panel'; flights are chosen with --track here"
+    static const struct {
+        OptionId id;
+        const char *why;
+    } unused[] = {{OPTION_EYE, FLOWN},
+                  {OPTION_LOOK, FLOWN},
+                  {OPTION_SPEED, FLOWN},
+                  {OPTION_HEIGHT, "only of 'bench refine'; ignored here"},
+                  {OPTION_SIDES, "only of 'bench preprocess'; ignored here"},
+                  {OPTION_VERTICES, "only of 'bench partitions'; ignored here"},
+                  {OPTION_TARGET_MS, "only of 'bench governor'; ignored here"}};
     for (size_t i = 0; i < COUNT_OF(unused); i++)
-        if (options_source(options, unused[i]) == SOURCE_COMMAND_LINE)
-            log_warn("--%s: of one part's benchmark; flights are chosen with --track", option_spec(unused[i])->name);
+        if (options_source(options, unused[i].id) == SOURCE_COMMAND_LINE)
+            log_warn("--%s: %s", option_spec(unused[i].id)->name, unused[i].why);
 }
 
 Result accuracy_plan(const Options *options, AccuracyPlan *out) {

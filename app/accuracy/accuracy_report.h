@@ -9,7 +9,7 @@
 
 #include <stdio.h>
 
-#define ACCURACY_TEXT_BYTES 1024
+#define ACCURACY_TEXT_BYTES 2048
 
 // One or two sentences: whether what was promised was kept.
 void accuracy_verdict(const Accuracy *accuracy, char out[ACCURACY_TEXT_BYTES]);

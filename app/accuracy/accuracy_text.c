@@ -55,24 +55,38 @@ static int64_t frames_of(const Accuracy *accuracy) {
     return frames;
 }
 
+static const char *plural(int count) {
+    return count == 1 ? "" : "s";
+}
+
+// Of those that promise, and all did; or of all, and none promises.
+static void name_runs(int count, bool promise, char out[80]) {
+    if (promise)
+        snprintf(out, 80, count == 1 ? "the one run that promises a bound" : "all %d runs that promise a bound", count);
+    else
+        snprintf(out, 80, count == 1 ? "the one run has no bound" : "none of the %d runs has a bound", count);
+}
+
 void accuracy_verdict(const Accuracy *accuracy, char out[ACCURACY_TEXT_BYTES]) {
     Tally tally = tally_of(accuracy);
+    char runs[80];
+    name_runs(tally.promised ? tally.promised : accuracy->run_count, tally.promised > 0, runs);
     if (!accuracy_holds(accuracy))
         snprintf(out, ACCURACY_TEXT_BYTES,
-                 "BROKEN: %d of %d runs that promise a bound kept it; %d of %d runs had cracks, in %" PRId64
+                 "BROKEN: %d of %d run%s that promise%s a bound kept it; %d of %d run%s had cracks, in %" PRId64
                  " frames measured at every sample%s.",
-                 tally.held, tally.promised, tally.cracked, accuracy->run_count, frames_of(accuracy),
+                 tally.held, tally.promised, plural(tally.promised), tally.promised == 1 ? "s" : "", tally.cracked,
+                 accuracy->run_count, plural(accuracy->run_count), frames_of(accuracy),
                  tally.untrue ? "; some were timed over other cuts than measured" : "");
     else if (tally.promised == 0)
         snprintf(out, ACCURACY_TEXT_BYTES,
-                 "Nothing was promised: none of the %d runs has a bound; no surface had a crack, in %" PRId64
-                 " frames measured at every sample.",
-                 accuracy->run_count, frames_of(accuracy));
+                 "Nothing was promised: %s; no surface had a crack, in %" PRId64 " frames measured at every sample.",
+                 runs, frames_of(accuracy));
     else
         snprintf(out, ACCURACY_TEXT_BYTES,
-                 "Every promise held: all %d runs that promise a bound kept it, using up at most %.2f %% of it, and no "
+                 "Every promise held: %s kept it, using up at most %.2f %% of it, and no "
                  "surface had a crack, in %" PRId64 " frames measured at every sample.",
-                 tally.promised, 100.0 * tally.most, frames_of(accuracy));
+                 runs, 100.0 * tally.most, frames_of(accuracy));
 }
 
 static void write_run(const Accuracy *accuracy, const AccuracyRun *run, FILE *to) {
@@ -92,9 +106,9 @@ void accuracy_write_text(const Accuracy *accuracy, FILE *to) {
     for (int dem = 0; dem < accuracy->plan.dem_count; dem++) {
         const AccuracyDem *d = &accuracy->dems[dem];
         int of_dem = accuracy->plan.variant_count * accuracy->plan.tau_count;
-        fprintf(to, "%s, %d x %d samples; %d frames of %d flights, %d rounds; %s%s\n\n", d->name, d->width, d->height,
-                d->pose_count, accuracy->plan.flight_count, accuracy->plan.rounds,
-                *accuracy->renderer ? accuracy->renderer : "nothing drawn",
+        fprintf(to, "%s, %d x %d samples; %d frames of %d flight%s, %d round%s; %s%s\n\n", d->name, d->width, d->height,
+                d->pose_count, accuracy->plan.flight_count, plural(accuracy->plan.flight_count), accuracy->plan.rounds,
+                plural(accuracy->plan.rounds), *accuracy->renderer ? accuracy->renderer : "nothing drawn",
                 accuracy->software ? ", a software renderer" : "");
         fprintf(to, "%-28s %5s  %8s %8s %8s %8s  %-9s %7s %7s  %9s %5s  %8s %8s %8s\n", "method", "tau", "max px",
                 "p99.9", "rms", "% above", "promise", "popping", "cracks", "triangles", "% new", "refine", "frame p50",

@@ -43,7 +43,7 @@ void html_element(const char *tag, const char *text, FILE *to) {
 }
 
 void html_begin_table(const char *const *titles, int count, FILE *to) {
-    fputs("<div class=\"scroll\"><table class=\"sortable\"><thead><tr>", to);
+    fputs("<div class=\"scroll\" tabindex=\"0\"><table class=\"sortable\"><thead><tr>", to);
     for (int i = 0; i < count; i++) {
         bool text = titles[i][0] == '<';
         fprintf(to, "<th scope=\"col\"%s>", text ? " class=\"text\"" : "");

@@ -58,8 +58,8 @@ Result bench_read_sides(const char *text, int max, int *sides, int *count) {
         char *end;
         long side = strtol(next, &end, 10);
         if (end == next || !is_side(side) || (*end && *end != ',') || *count == max) {
-            log_error("--sides: found '%s'; expected up to %d of 3, 5, 9 ... 16385 (2^n + 1), separated by commas",
-                      text, max);
+            log_error("--sides: expected up to %d of 3, 5, 9 ... 16385 (2^n + 1), separated by commas; found '%s'", max,
+                      text);
             return RESULT_USAGE;
         }
         sides[(*count)++] = (int)side;
@@ -74,7 +74,7 @@ Result bench_tau(const Options *options, double *tau_px) {
     *tau_px = text ? strtod(text, &end) : 1.0;
     if (!text || (end != text && *end == '\0' && *tau_px >= 0.01 && *tau_px <= 1000.0))
         return RESULT_OK;
-    log_error("--tau: found '%s'; expected one number from 0.01 to 1000", text);
+    log_error("--tau: expected one number from 0.01 to 1000; found '%s'", text);
     return RESULT_USAGE;
 }
 

@@ -169,7 +169,7 @@ static Result fly_part(const Bench *bench, Part *part) {
         session->settings.target_ms = part->target_ms;
         session->settings.tau_px = part->tau_px;
         session->governor = governor_create(part->target_ms, part->tau_px);
-        result = flight_pipeline_create(bench->options, &bench->world, session, bench->context, &pipeline);
+        result = flight_pipeline_create(bench->options, &bench->world, session, bench->context, NULL, &pipeline);
     }
     if (result == RESULT_OK)
         result = fly_frames(bench, part, session, pipeline);

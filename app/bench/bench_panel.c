@@ -54,7 +54,7 @@ static Result allocate(Bench *bench) {
 
 static Result start_pipeline(Bench *bench) {
     Result result =
-        flight_pipeline_create(bench->options, &bench->world, bench->session, bench->context, &bench->pipeline);
+        flight_pipeline_create(bench->options, &bench->world, bench->session, bench->context, NULL, &bench->pipeline);
     const MonitorOptions monitor = {scene_lod_options(bench->options), bench->world.terrain, bench->pipeline};
     return result == RESULT_OK ? monitor_create(&monitor, &bench->monitor) : result;
 }

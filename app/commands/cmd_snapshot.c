@@ -111,11 +111,14 @@ static Result print_json(const Snapshot *snapshot) {
     return result;
 }
 
-// Without --json, two lines about two methods.
+// Without --json: a line, or one more for each of two methods.
 static void log_methods(const Snapshot *snapshot) {
     PipelineStats stats = pipeline_stats(snapshot->pipeline);
-    if (!stats.split)
+    if (!stats.split) {
+        pipeline_cut_log(snapshot->output, &stats.cut);
         return;
+    }
+    log_info("%s: two methods side by side", snapshot->output);
     pipeline_cut_log("left", &stats.cut);
     pipeline_cut_log("right", &stats.right);
 }

@@ -17,7 +17,9 @@
 static void on_key(void *user, int key, int scancode, bool pressed, bool repeated, bool shift) {
     (void)scancode; // key codes already name positions
     FlightLoop *loop = user;
-    if (!repeated)
+    if (repeated)
+        session_on_repeat(loop->session, key);
+    else
         session_on_key(loop->session, key, pressed, shift);
 }
 
@@ -29,11 +31,22 @@ static void on_resize(void *user, int width, int height) {
     }
 }
 
+static bool has_demo(const FlightSession *session) {
+    return session->demo.count > 0 || session->demo.stick;
+}
+
 static bool is_over(const FlightLoop *loop, int64_t ordered) {
     bool demo_over =
-        !loop->window && loop->frames == 0 && loop->session->demo.count > 0 && demo_is_over(&loop->session->demo);
-    return (loop->frames > 0 && ordered >= loop->frames) || loop->session->leave_wanted || demo_over ||
+        !loop->window && loop->frames == 0 && has_demo(loop->session) && demo_is_over(&loop->session->demo);
+    bool replay_over = !loop->window && loop->frames == 0 && loop->session->playback &&
+                       timeline_is_at_end(&loop->session->timeline) && ordered > 0;
+    return (loop->frames > 0 && ordered >= loop->frames) || loop->session->leave_wanted || demo_over || replay_over ||
            (loop->window && context_should_close(loop->context)) || signals_leave_wanted();
+}
+
+// What a frame is of the flight where none waits for the clock: exactly, as a film needs it.
+static double frame_s(const FlightLoop *loop) {
+    return loop->session->playback ? 1.0 / loop->fps : FIXED_FRAME_S;
 }
 
 // The frames that the pictures are spread over.
@@ -41,29 +54,31 @@ static int64_t expected_frames(const FlightLoop *loop) {
     const FlightSession *session = loop->session;
     if (loop->frames > 0)
         return loop->frames;
-    if (session->demo.count == 0)
+    if (session->playback)
+        return (int64_t)(timeline_left_s(&session->timeline) / frame_s(loop)) + 1;
+    if (!has_demo(session))
         return (int64_t)loop->picture_count * PICTURE_SPACING;
     FlightInstruments now = flight_instruments(&session->flight);
     double duration_s = demo_duration_s(&session->demo, now.lat_rad, now.lon_rad);
     return (int64_t)(duration_s / (FIXED_FRAME_S * flight_clock_rate(&session->settings.clock))) + 1;
 }
 
-// Whether frame `index` of the flight is one of the evenly spread pictures, and which: from 1.
-static int picture_number(const FlightLoop *loop, int64_t index) {
+// Whether frame `index` of the flight is one of the evenly spread pictures.
+static bool is_picture(const FlightLoop *loop, int64_t index) {
+    if (loop->pictures && loop->every > 0)
+        return index % loop->every == 0;
     if (!loop->pictures || index >= loop->picture_frames)
-        return 0;
+        return false;
     int64_t frames = loop->picture_frames, count = loop->picture_count;
-    int64_t before = (index * count + frames - 1) / frames, after = ((index + 1) * count + frames - 1) / frames;
-    return after > before ? (int)after : 0;
+    return ((index + 1) * count + frames - 1) / frames > (index * count + frames - 1) / frames;
 }
 
 static void name_picture(FlightLoop *loop, int64_t index, FrameOrder *order) {
-    int number = picture_number(loop, index);
     bool last = loop->screenshot && loop->frames > 0 && index + 1 == loop->frames;
     if (last)
         snprintf(order->picture, sizeof order->picture, "%s", loop->screenshot);
-    else if (number > 0)
-        snprintf(order->picture, sizeof order->picture, "%s/overfly-%03d.png", loop->pictures, number);
+    else if (is_picture(loop, index))
+        snprintf(order->picture, sizeof order->picture, "%s/overfly-%03d.png", loop->pictures, ++loop->pictures_begun);
     else if (loop->session->screenshot_wanted && picture_new_name((int64_t)time(NULL), order->picture) == RESULT_OK) {
         char message[PIPELINE_MESSAGE_BYTES];
         loop->session->screenshot_wanted = false;
@@ -79,6 +94,7 @@ static void make_order(FlightLoop *loop, int64_t index, FrameOrder *order) {
     session_govern(loop->session, &stats);
     session_order(loop->session, loop->width, loop->height, stats.frame_ms, stats.frame_p99_ms, order);
     monitor_follow(loop->monitor, loop->session->settings.show_accuracy, order);
+    order->film = loop->film && index >= 0;
     if (index >= 0)
         name_picture(loop, index, order);
 }
@@ -94,7 +110,7 @@ static Result draw_last_picture(FlightLoop *loop) {
 // Waits until the next frame is due; without a window nobody watches, and nothing waits.
 static double pass_time(const FlightLoop *loop, int64_t *due_ns, int64_t *last_ns) {
     if (!loop->window || loop->lockstep)
-        return FIXED_FRAME_S;
+        return frame_s(loop);
     *due_ns += (int64_t)(1e9 / loop->fps);
     int64_t now_ns = clock_now_ns();
     if (*due_ns < now_ns)
@@ -119,7 +135,10 @@ static Result fly_frames(FlightLoop *loop) {
         double passed_s = pass_time(loop, &due_ns, &last_ns);
         if (loop->window)
             context_poll_events(loop->context);
+        loop->session->now_ns = loop->window && !loop->lockstep ? last_ns : 0;
         session_advance(loop->session, passed_s);
+        if ((!loop->window || loop->lockstep) && loop->session->recorder)
+            recorder_wait(loop->session->recorder);
     }
     bool picture_due = loop->screenshot && !(loop->frames > 0 && index >= loop->frames);
     return picture_due ? draw_last_picture(loop) : RESULT_OK;

@@ -4,7 +4,7 @@
 #include "app/picture_options.h"
 
 Result flight_pipeline_create(const Options *options, const World *world, const FlightSession *session,
-                              Context *context, Pipeline **out) {
+                              Context *context, Video *video, Pipeline **out) {
     PipelineOptions pipeline = {.threaded = !options_flag(options, OPTION_LOCKSTEP),
                                 .lod = scene_lod_options(options),
                                 .compare = session->settings.compare,
@@ -13,7 +13,8 @@ Result flight_pipeline_create(const Options *options, const World *world, const 
                                 .render = picture_render_options(options, world),
                                 .terrain = world->terrain,
                                 .jobs = world->jobs,
-                                .context = context};
+                                .context = context,
+                                .video = video};
     Result result = compute_choose(options, context, pipeline.terrain, &pipeline.lod.resident);
     return result == RESULT_OK ? pipeline_create(&pipeline, out) : result;
 }

@@ -8,6 +8,7 @@
 #include "config/options.h"
 #include "render/context/context.h"
 
-// Threaded, unless the stages are to run in lockstep. Errors of compute_choose and pipeline_create.
+// `video`: gets the frames of a film, or NULL. Threaded, unless the stages are to run in lockstep. Errors of
+// compute_choose and pipeline_create.
 MUST_USE Result flight_pipeline_create(const Options *options, const World *world, const FlightSession *session,
-                                       Context *context, Pipeline **out);
+                                       Context *context, Video *video, Pipeline **out);

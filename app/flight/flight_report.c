@@ -158,8 +158,8 @@ static void log_governor(const FlightSession *session) {
 void flight_report_log(const FlightReport *report) {
     const PipelineStats *stats = &report->stats;
     FrameTimesSummary frame = report->times.frame;
-    log_info("%lld frames; %.1f ms a frame (p99 %.1f, longest %.1f)", (long long)stats->frames, frame.mean, frame.p99,
-             frame.max);
+    log_info("%lld frame%s; %.1f ms a frame (p99 %.1f, longest %.1f)", (long long)stats->frames,
+             stats->frames == 1 ? "" : "s", frame.mean, frame.p99, frame.max);
     log_governor(report->session);
     pipeline_cut_log(stats->split ? "left" : "last cut", &stats->cut);
     if (stats->split)

@@ -26,6 +26,7 @@ FlightSettings flight_settings_create(const Options *options) {
         .tau_px = options_number(options, OPTION_TAU),
         .target_ms = options_is_set(options, OPTION_TARGET_MS) ? options_number(options, OPTION_TARGET_MS) : 0.0,
         .fov_rad = options_number(options, OPTION_FOV) * GEODESY_RAD_PER_DEG,
+        .view = (CameraView)options_choice(options, OPTION_VIEW),
         .colouring = (RenderColouring)options_choice(options, OPTION_COLOUR),
         .wireframe = options_flag(options, OPTION_WIREFRAME),
         .magenta = options_flag(options, OPTION_MAGENTA),

@@ -328,3 +328,14 @@ double governor_hear(Governor *g, const GovernorFrame *frame) {
         follow(g, frame, wish);
     return g->tau_px;
 }
+
+bool governor_notice_slow(GovernorNotice *notice, const Governor *g, double passed_s) {
+    bool slow = g->reach == GOVERNOR_TOO_SLOW;
+    if (notice->target_ms != g->target_ms)
+        *notice = (GovernorNotice){.target_ms = g->target_ms};
+    notice->other_s = slow != notice->said ? notice->other_s + fmax(passed_s, 0.0) : 0.0;
+    if (slow == notice->said || (notice->other_s < GOVERNOR_NOTICE_S && !(slow && g->settled)))
+        return false;
+    *notice = (GovernorNotice){.target_ms = g->target_ms, .said = slow};
+    return slow;
+}

@@ -68,3 +68,15 @@ Governor governor_create(double target_ms, double tau_px);
 void governor_set_target(Governor *governor, double target_ms);
 // Told once of each drawn frame, in order; answers the tolerance to ask for.
 double governor_hear(Governor *governor, const GovernorFrame *frame);
+
+#define GOVERNOR_NOTICE_S 2.0 // what lasts so long is worth a word
+
+// When to say that frames take too long: once, and again only after they did not for as long, or of another target.
+typedef struct GovernorNotice {
+    double target_ms; // that it is about
+    bool said;
+    double other_s; // for how long it has not been as was said: too slow, or no longer
+} GovernorNotice;
+
+// Told after each governor_hear; true when it is to be said now: what settled too slow is said at once.
+bool governor_notice_slow(GovernorNotice *notice, const Governor *governor, double passed_s);

@@ -43,7 +43,7 @@ Result picture_film(Renderer *renderer, int width, int height, Video *video) {
 Result picture_check_name(const char *path, const char *option) {
     const char *dot = strrchr(path, '.');
     if (dot && strcasecmp(dot, ".png") == 0)
-        return RESULT_OK;
+        return files_check_folder_of(path);
     log_error("%s: expected a file name that ends in .png; found '%s'", option, path);
     return RESULT_USAGE;
 }

@@ -10,17 +10,31 @@
 #define DIRECTION_PER_DEG 1e6
 #define PER_M 1e3
 
-static const char *const NAMES[TRACK_KIND_COUNT] = {
 #define TRACK_NAME(id, name, what) name,
-    TRACK_KIND_TABLE(TRACK_NAME)
-#undef TRACK_NAME
-};
-
-static const char *const WHATS[TRACK_KIND_COUNT] = {
 #define TRACK_WHAT(id, name, what) what,
-    TRACK_KIND_TABLE(TRACK_WHAT)
-#undef TRACK_WHAT
-};
+static const char *const NAMES[TRACK_KIND_COUNT] = {TRACK_KIND_TABLE(TRACK_NAME)};
+static const char *const WHATS[TRACK_KIND_COUNT] = {TRACK_KIND_TABLE(TRACK_WHAT)};
+
+static const char *const HEIGHTS_NAMES[TRACK_HEIGHTS_COUNT] = {TRACK_HEIGHTS_TABLE(TRACK_NAME)};
+static const char *const HEIGHTS_WHATS[TRACK_HEIGHTS_COUNT] = {TRACK_HEIGHTS_TABLE(TRACK_WHAT)};
+static const char *const SKIP_NAMES[TRACK_SKIP_COUNT] = {TRACK_SKIP_TABLE(TRACK_NAME)};
+static const char *const SKIP_WHATS[TRACK_SKIP_COUNT] = {TRACK_SKIP_TABLE(TRACK_WHAT)};
+
+const char *track_heights_name(TrackHeights heights) {
+    return HEIGHTS_NAMES[heights];
+}
+
+const char *track_heights_what(TrackHeights heights) {
+    return HEIGHTS_WHATS[heights];
+}
+
+const char *track_skip_name(TrackSkip skip) {
+    return SKIP_NAMES[skip];
+}
+
+const char *track_skip_what(TrackSkip skip) {
+    return SKIP_WHATS[skip];
+}
 
 const char *track_kind_name(TrackKind kind) {
     return NAMES[kind];
@@ -49,6 +63,20 @@ double track_duration_s(const Track *track) {
     return track->count > 0 ? track->points[track->count - 1].t_s - track->points[0].t_s : 0.0;
 }
 
+int track_gap_count(const Track *track) {
+    int gaps = 0;
+    for (int i = 0; i < track->count; i++)
+        gaps += (track->points[i].flags & TRACK_GAP) != 0;
+    return gaps;
+}
+
+bool track_is_derived(const Track *track) {
+    for (int i = 0; i < track->count; i++)
+        if (track->points[i].flags & TRACK_DERIVED)
+            return true;
+    return false;
+}
+
 // ---- between points ----
 
 // Heights are above the geoid here as everywhere in a track: as good a third coordinate as any to interpolate.
@@ -72,9 +100,14 @@ void track_look(const Viewpoint *from, const Viewpoint *to, double *heading_deg,
                      pitch_deg);
 }
 
-// Metres a second at point `i`: of the line through its neighbours.
+static bool begins_anew(const Track *track, int i) {
+    return (track->points[i].flags & TRACK_GAP) != 0;
+}
+
+// Metres a second at point `i`: of the line through its neighbours on this side of any gap.
 static Vec3d slope_at(const Track *track, int i) {
-    int before = i > 0 ? i - 1 : i, after = i + 1 < track->count ? i + 1 : i;
+    int before = i > 0 && !begins_anew(track, i) ? i - 1 : i;
+    int after = i + 1 < track->count && !begins_anew(track, i + 1) ? i + 1 : i;
     double seconds = track->points[after].t_s - track->points[before].t_s;
     Vec3d way = vec3d_sub(place_of(&track->points[after].at), place_of(&track->points[before].at));
     return seconds > 0.0 ? vec3d_scale(way, 1.0 / seconds) : vec3d(0, 0, 0);
@@ -96,16 +129,49 @@ static Vec3d slerp(Vec3d a, Vec3d b, double share) {
     return vec3d_mad(vec3d_scale(a, sin((1.0 - share) * angle) / s), b, sin(share * angle) / s);
 }
 
+// From the axes of the body (x right, y ahead, z up) to ECEF.
+static Quatd attitude_of(const TrackPoint *point) {
+    const Vec3d x = {1, 0, 0}, y = {0, 1, 0}, z = {0, 0, 1};
+    const Viewpoint *at = &point->at;
+    Quatd q = quatd_from_axis_angle(z, (at->lon_deg + 90.0) * GEODESY_RAD_PER_DEG);
+    q = quatd_mul(q, quatd_from_axis_angle(x, (90.0 - at->lat_deg) * GEODESY_RAD_PER_DEG));
+    q = quatd_mul(q, quatd_from_axis_angle(z, -at->heading_deg * GEODESY_RAD_PER_DEG));
+    q = quatd_mul(q, quatd_from_axis_angle(x, at->pitch_deg * GEODESY_RAD_PER_DEG));
+    return quatd_mul(q, quatd_from_axis_angle(y, point->bank_deg * GEODESY_RAD_PER_DEG));
+}
+
+static Quatd blend(Quatd a, Quatd b, double to_a, double to_b) {
+    return quatd_normalize(
+        (Quatd){to_a * a.w + to_b * b.w, to_a * a.x + to_b * b.x, to_a * a.y + to_b * b.y, to_a * a.z + to_b * b.z});
+}
+
+// The short way round.
+static Quatd slerp_attitude(Quatd a, Quatd b, double share) {
+    double cosine = a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z, side = cosine < 0.0 ? -1.0 : 1.0;
+    double angle = acos(fmin(fabs(cosine), 1.0)), s = sin(angle);
+    if (s < 1e-9)
+        return blend(a, b, 1.0 - share, side * share);
+    return blend(a, b, sin((1.0 - share) * angle) / s, side * sin(share * angle) / s);
+}
+
+static double bank_of(Quatd attitude, double lat_rad, double lon_rad) {
+    Vec3d up = geodesy_up(lat_rad, lon_rad), right = quatd_rotate(attitude, vec3d(1, 0, 0));
+    return atan2(-vec3d_dot(right, up), vec3d_dot(quatd_rotate(attitude, vec3d(0, 0, 1)), up)) / GEODESY_RAD_PER_DEG;
+}
+
 static double rounded(double value, double per_unit) {
     return round(value * per_unit) / per_unit;
 }
 
-static Viewpoint as_told(Viewpoint at) {
-    return (Viewpoint){.lat_deg = rounded(at.lat_deg, PLACE_PER_DEG),
-                       .lon_deg = rounded(at.lon_deg, PLACE_PER_DEG),
-                       .alt_m = rounded(at.alt_m, PER_M),
-                       .heading_deg = rounded(at.heading_deg, DIRECTION_PER_DEG),
-                       .pitch_deg = rounded(at.pitch_deg, DIRECTION_PER_DEG)};
+static TrackState as_told(TrackState state) {
+    Viewpoint at = state.at;
+    state.at = (Viewpoint){.lat_deg = rounded(at.lat_deg, PLACE_PER_DEG),
+                           .lon_deg = rounded(at.lon_deg, PLACE_PER_DEG),
+                           .alt_m = rounded(at.alt_m, PER_M),
+                           .heading_deg = rounded(at.heading_deg, DIRECTION_PER_DEG),
+                           .pitch_deg = rounded(at.pitch_deg, DIRECTION_PER_DEG)};
+    state.bank_deg = rounded(state.bank_deg, DIRECTION_PER_DEG);
+    return state;
 }
 
 // The last point that is not after `t_s`; the first one where all are.
@@ -118,21 +184,50 @@ static int point_before(const Track *track, double t_s) {
     return low;
 }
 
-Viewpoint track_at(const Track *track, double t_s) {
+static TrackState state_of(const TrackPoint *point) {
+    return as_told((TrackState){point->at, point->bank_deg, false, (point->flags & TRACK_DERIVED) != 0});
+}
+
+static Geodetic place_between(const Track *track, int i, double share, Viewpoint *at) {
+    Geodetic place = geodesy_from_ecef(hermite(track, i, share));
+    at->lat_deg = place.lat_rad / GEODESY_RAD_PER_DEG;
+    at->lon_deg = place.lon_rad / GEODESY_RAD_PER_DEG;
+    at->alt_m = place.h_m;
+    return place;
+}
+
+static TrackState state_between(const Track *track, int i, double share) {
+    const TrackPoint *from = &track->points[i], *to = from + 1;
+    TrackState state = {.derived = ((from->flags | to->flags) & TRACK_DERIVED) != 0};
+    Geodetic place = place_between(track, i, share, &state.at);
+    Vec3d forward;
+    if (from->bank_deg == 0.0 && to->bank_deg == 0.0) {
+        forward = slerp(viewpoint_forward(&from->at), viewpoint_forward(&to->at), share);
+    } else {
+        Quatd attitude = slerp_attitude(attitude_of(from), attitude_of(to), share);
+        forward = quatd_rotate(attitude, vec3d(0, 1, 0));
+        state.bank_deg = bank_of(attitude, place.lat_rad, place.lon_rad);
+    }
+    direction_at(forward, place.lat_rad, place.lon_rad, &state.at.heading_deg, &state.at.pitch_deg);
+    return as_told(state);
+}
+
+TrackState track_state_at(const Track *track, double t_s) {
     double t = t_s + track->points[0].t_s;
     int i = point_before(track, t);
     const TrackPoint *from = &track->points[i];
     if (t <= from->t_s || i + 1 == track->count)
-        return as_told(from->at);
-    const TrackPoint *to = from + 1;
-    double share = (t - from->t_s) / (to->t_s - from->t_s);
-    Geodetic place = geodesy_from_ecef(hermite(track, i, share));
-    Viewpoint at = {.lat_deg = place.lat_rad / GEODESY_RAD_PER_DEG,
-                    .lon_deg = place.lon_rad / GEODESY_RAD_PER_DEG,
-                    .alt_m = place.h_m};
-    Vec3d forward = slerp(viewpoint_forward(&from->at), viewpoint_forward(&to->at), share);
-    direction_at(forward, place.lat_rad, place.lon_rad, &at.heading_deg, &at.pitch_deg);
-    return as_told(at);
+        return state_of(from);
+    if (begins_anew(track, i + 1)) {
+        TrackState held = state_of(from);
+        held.in_gap = true;
+        return held;
+    }
+    return state_between(track, i, (t - from->t_s) / (from[1].t_s - from->t_s));
+}
+
+Viewpoint track_at(const Track *track, double t_s) {
+    return track_state_at(track, t_s).at;
 }
 
 // FNV-1a over the bits of the numbers.
@@ -152,6 +247,8 @@ uint64_t track_hash(const Track *track) {
                                   p->at.alt_m, p->at.heading_deg, p->at.pitch_deg};
         for (size_t k = 0; k < COUNT_OF(numbers); k++)
             hash = hash_number(hash, numbers[k]);
+        if (p->bank_deg != 0.0 || p->flags & TRACK_GAP) // none: as when tracks were of the eye alone
+            hash = hash_number(hash_number(hash, p->bank_deg), p->flags & TRACK_GAP);
     }
     return hash;
 }

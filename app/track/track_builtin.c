@@ -43,7 +43,7 @@ static Plan plan_of(const World *world) {
 }
 
 static Result begin(Track *track, TrackKind kind, int count) {
-    *track = (Track){.points = calloc((size_t)count, sizeof *track->points), .count = count};
+    *track = (Track){.points = calloc((size_t)count, sizeof *track->points), .count = count, .start_unix_s = NAN};
     snprintf(track->name, sizeof track->name, "%s", track_kind_name(kind));
     if (track->points)
         return RESULT_OK;
@@ -83,8 +83,8 @@ static void clear_ground(const Plan *plan, const TrackWay *way, double h_m[TRACK
 static void fly_way(const Plan *plan, const TrackWay *way, const double *h_m, double down_deg, Track *track) {
     double metres = track_way_m(plan->terrain, way);
     for (int i = 0; i < way->count; i++)
-        track->points[i] =
-            (TrackPoint){metres / SPEED_M_S * i / (way->count - 1), place(plan, way->col[i], way->row[i], h_m[i])};
+        track->points[i] = (TrackPoint){.t_s = metres / SPEED_M_S * i / (way->count - 1),
+                                        .at = place(plan, way->col[i], way->row[i], h_m[i])};
     for (int i = 0; i < way->count; i++) {
         int from = i + 1 < way->count ? i : i - 1;
         Viewpoint *at = &track->points[i].at;
@@ -233,7 +233,7 @@ static Result turn(const Plan *plan, Track *track) {
         eye = place(plan, ridge.col[i], ridge.row[i], ground + plan->clearance_m);
     }
     for (int i = 0; i <= TURN_STEPS; i++) {
-        track->points[i] = (TrackPoint){TURN_S * i / TURN_STEPS, eye};
+        track->points[i] = (TrackPoint){.t_s = TURN_S * i / TURN_STEPS, .at = eye};
         track->points[i].at.heading_deg = fmod(360.0 * i / TURN_STEPS, 360.0);
         track->points[i].at.pitch_deg = TURN_LOOK_DEG;
     }

@@ -11,6 +11,7 @@
 #define LINE 1.6f           // units, width of lines
 #define CIRCLES_FROM_DEG 77 // rungs from here on are whole circles around the zenith, the same seen from any heading
 #define CIRCLE_PIECES 48
+#define SPAN_M 11.0          // of an aircraft, about
 #define OUTSIDE_OPACITY 0.45 // of a flight path marker that stands on the edge
 
 // Ladder parts near the bank scale fade, so that nothing is cut and nothing appears at once.
@@ -230,7 +231,55 @@ static void paint_bank(const HudPainter *painter, const RenderHud *hud) {
                     bank_point(painter, hud->bank_rad + half, radius - 13.0 * u), hud_faded(HUD_INK, opacity));
 }
 
+// ---- the aircraft, seen from outside ----
+
+typedef struct Symbol {
+    CanvasPoint at;
+    double nose_x, nose_y, wing_x, wing_y; // directions in the picture, as long as they are seen
+} Symbol;
+
+// Directions across the line of sight, as the eye sees them.
+static void see_along(const HudPainter *painter, Vec3d direction_ecef, double *x, double *y) {
+    Vec3d seen = mat3d_mul_vec(&painter->view.camera_from_ecef, direction_ecef);
+    *x = seen.x;
+    *y = -seen.y;
+}
+
+static CanvasPoint symbol_point(const HudPainter *painter, const Symbol *s, double ahead, double aside) {
+    double u = painter->layout.unit;
+    return (CanvasPoint){s->at.x + (float)((ahead * s->nose_x + aside * s->wing_x) * u),
+                         s->at.y + (float)((ahead * s->nose_y + aside * s->wing_y) * u)};
+}
+
+static void paint_symbol_line(const HudPainter *painter, const Symbol *s, const double from[2], const double to[2],
+                              CanvasColour colour) {
+    canvas_line(painter->canvas, symbol_point(painter, s, from[0], from[1]), symbol_point(painter, s, to[0], to[1]),
+                2.0f * LINE * painter->layout.unit, colour);
+}
+
+// A cross of fuselage, wing and tail, larger than life, until the aircraft itself is large enough.
+static void paint_aircraft(const HudPainter *painter, const RenderHud *hud, Vec3d eye_ecef) {
+    static const double NOSE[2] = {15, 0}, END[2] = {-12, 0}, WING[2] = {3, 0}, TAIL[2] = {-10, 0};
+    Symbol s = {0};
+    Vec3d to = vec3d_sub(hud->aircraft_ecef, eye_ecef);
+    double away_m = vec3d_length(to), span_px = away_m > 0.0 ? SPAN_M * painter->view.focal_px / away_m : INFINITY;
+    double opacity = hud_fade(span_px, 12.0 * painter->layout.unit, 30.0 * painter->layout.unit);
+    if (!(opacity > 0.0) ||
+        !hud_view_project(&painter->view, mat3d_mul_vec(&painter->view.camera_from_ecef, to), &s.at))
+        return;
+    see_along(painter, hud->nose_ecef, &s.nose_x, &s.nose_y);
+    see_along(painter, hud->wing_ecef, &s.wing_x, &s.wing_y);
+    CanvasColour colour = hud_faded(HUD_ACCENT, opacity);
+    paint_symbol_line(painter, &s, NOSE, END, colour);
+    paint_symbol_line(painter, &s, (double[]){WING[0], -14}, (double[]){WING[0], 14}, colour);
+    paint_symbol_line(painter, &s, (double[]){TAIL[0], -6}, (double[]){TAIL[0], 6}, colour);
+}
+
 void hud_paint_attitude(const HudPainter *painter, const RenderPacket *packet) {
+    if (packet->hud.outside) {
+        paint_aircraft(painter, &packet->hud, packet->camera.eye_ecef);
+        return;
+    }
     paint_ladder(painter);
     paint_horizon(painter);
     paint_nose(painter);

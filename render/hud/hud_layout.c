@@ -65,7 +65,9 @@ static void place_speed(HudLayout *layout) {
     half = scale ? half : 16.0f * u;
     layout->speed_box = rect_round((CanvasRect){left, middle - 16.0f * u, right, middle + 16.0f * u});
     layout->speed_title = rect_round((CanvasRect){left, middle - half - 18.0f * u, right, middle - half});
-    layout->speed_notes = rect_round((CanvasRect){left, middle + half + 6.0f * u, right, middle + half + 46.0f * u});
+    float rows = middle + half + 66.0f * u <= layout->note.y0 ? 60.0f : 40.0f; // three, or two where room is short
+    layout->speed_notes =
+        rect_round((CanvasRect){left, middle + half + 6.0f * u, right, middle + half + (6.0f + rows) * u});
     half = scale ? half : 0.0f;
     layout->speed_scale = rect_round((CanvasRect){left, middle - half, right, middle + half});
 }

@@ -36,7 +36,8 @@ bool hud_wants_legend(const RenderPacket *packet);
 void hud_paint_legend(const HudPainter *painter, const RenderPacket *packet);   // hud_legend.c
 void hud_paint_accuracy(const HudPainter *painter, const RenderPacket *packet); // hud_accuracy.c
 void hud_paint_message(const HudPainter *painter, const RenderHud *hud);
-void hud_paint_help(const HudPainter *painter, const RenderHud *hud); // hud_help.c
+void hud_paint_replay(const HudPainter *painter, const RenderReplay *replay); // hud_replay.c
+void hud_paint_help(const HudPainter *painter, const RenderHud *hud);         // hud_help.c
 
 // What they share: colours of the display, and text.
 #define HUD_INK ((CanvasColour){0.93f, 0.98f, 0.95f, 1.0f})

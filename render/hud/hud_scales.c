@@ -10,6 +10,7 @@
 #define LINE 1.4f          // units, width of marks
 #define HEADING_STEP_DEG 5 // between marks; every second one is tall, every sixth has a label
 #define HEADING_SPACE 5.2  // units a degree
+#define DEG_PER_RAD 57.29577951308232
 #define KMH_PER_M_S 3.6
 
 static float middle_of(float a, float b) {
@@ -124,6 +125,10 @@ static void paint_note(const HudPainter *painter, CanvasRect box, int line, cons
     hud_text(painter, (CanvasPoint){box.x1, y}, value_size, CANVAS_RIGHT, note->colour, note->value);
 }
 
+static bool has_third_note(CanvasRect box, float unit) {
+    return box.y1 - box.y0 >= 50.0f * unit;
+}
+
 static void paint_throttle(const HudPainter *painter, double throttle) {
     const HudLayout *layout = &painter->layout;
     float u = layout->unit, share = (float)fmin(fmax(throttle, 0.0), 1.0);
@@ -138,6 +143,21 @@ static void paint_throttle(const HudPainter *painter, double throttle) {
     canvas_box(painter->canvas, bar, 2.0f * u, HUD_ACCENT);
 }
 
+// Below the throttle: what is set otherwise than for flying on.
+static void paint_configuration(const HudPainter *painter, const RenderHud *hud) {
+    char flaps[HUD_NUMBER_BYTES + 8] = "", number[HUD_NUMBER_BYTES];
+    if (!has_third_note(painter->layout.speed_notes, painter->layout.unit))
+        return;
+    hud_format_fixed(number, hud->flaps * 100.0, 0);
+    if (hud->flaps > 0.005)
+        snprintf(flaps, sizeof flaps, "FLP %s %%", number);
+    bool moves = hud->gear > 0.0 && hud->gear < 1.0;
+    const char *gear = !hud->gear_retracts ? "" : moves ? "GEAR ..." : hud->gear > 0.0 ? "GEAR DN" : "GEAR UP";
+    Note note = {hud->autopilot && !flaps[0] ? "AP" : flaps, hud->brakes ? "BRAKE" : gear,
+                 moves || hud->brakes ? HUD_WARN : HUD_INK};
+    paint_note(painter, painter->layout.speed_notes, 2, &note);
+}
+
 static void paint_speed(const HudPainter *painter, const RenderHud *hud) {
     const HudLayout *layout = &painter->layout;
     double speed = hud->speed_m_s * KMH_PER_M_S;
@@ -148,6 +168,7 @@ static void paint_speed(const HudPainter *painter, const RenderHud *hud) {
     paint_readout(painter, layout->speed_box, value, HUD_INK);
     paint_note(painter, layout->speed_title, 0, &(Note){"", "km/h", HUD_DIM});
     paint_throttle(painter, hud->throttle);
+    paint_configuration(painter, hud);
 }
 
 static void paint_altitude_notes(const HudPainter *painter, const RenderHud *hud) {
@@ -160,6 +181,12 @@ static void paint_altitude_notes(const HudPainter *painter, const RenderHud *hud
     hud_format_signed(number, hud->vertical_speed_m_s, 1);
     snprintf(text, sizeof text, "%s m/s", number);
     paint_note(painter, layout->altitude_notes, 1, &(Note){"V/S", text, HUD_INK});
+    if (!isfinite(hud->alpha_rad) || !has_third_note(layout->altitude_notes, layout->unit))
+        return;
+    hud_format_signed(number, hud->alpha_rad * DEG_PER_RAD, 1);
+    snprintf(text, sizeof text, "%s\xC2\xB0", number);
+    paint_note(painter, layout->altitude_notes, 2,
+               &(Note){hud->stalls ? "STALL" : "AoA", text, hud->stalls ? HUD_WARN : HUD_INK});
 }
 
 static void paint_altitude(const HudPainter *painter, const RenderHud *hud) {

@@ -124,3 +124,14 @@ Result dem_spacing_m(const Dem *dem, double out_m[2]) {
         result = distance_between(&dem->georef, (double[2]){col, row - 0.5}, (double[2]){col, row + 0.5}, &out_m[1]);
     return result;
 }
+
+uint64_t dem_hash(const Dem *dem) {
+    uint64_t hash = UINT64_C(14695981039346656037);
+    size_t count = (size_t)dem->width * (size_t)dem->height;
+    for (size_t i = 0; i < count; i++) {
+        uint32_t bits;
+        memcpy(&bits, &dem->height_m[i], sizeof bits);
+        hash = (hash ^ bits) * UINT64_C(1099511628211);
+    }
+    return hash;
+}

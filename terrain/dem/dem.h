@@ -72,6 +72,8 @@ MUST_USE Result dem_load(const DemOptions *options, const char *const *paths, in
 // A Dem without a file, heights zero, for tests and synthetic scenes.
 MUST_USE Result dem_create(int width, int height, const DemGeoref *georef, DemDatum datum, Dem **out);
 void dem_destroy(Dem **dem);
+// FNV-1a over the heights' bits: to tell elevation models apart.
+uint64_t dem_hash(const Dem *dem);
 
 static inline bool dem_is_void(const Dem *dem, int col, int row) {
     size_t i = (size_t)row * (size_t)dem->width + (size_t)col;

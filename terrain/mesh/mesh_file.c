@@ -45,7 +45,7 @@ static Result open_stream(MeshFile *file) {
     int descriptor = open(name, flags, 0666);
     file->stream = descriptor >= 0 ? fdopen(descriptor, "wb") : NULL;
     if (!file->stream) {
-        log_error("%s: cannot be written: %s; name another file with -o", file->path, strerror(errno));
+        log_error("%s: cannot be written: %s; name another file", file->path, strerror(errno));
         if (descriptor >= 0)
             close(descriptor);
         return RESULT_IO;
@@ -121,9 +121,13 @@ void mesh_file_double(MeshFile *file, double value) {
     put_little_endian(file, bits, sizeof bits);
 }
 
+FILE *mesh_file_stream(MeshFile *file) {
+    return file->stream;
+}
+
 // Everything on the disk before the name points to it: a full disk may show itself only here.
 static void finish_stream(MeshFile *file) {
-    if (!file->error && fflush(file->stream))
+    if (!file->error && (fflush(file->stream) || ferror(file->stream)))
         keep_error(file);
     if (!file->error && file->temporary && fsync(fileno(file->stream)))
         keep_error(file);
@@ -141,7 +145,7 @@ Result mesh_file_commit(MeshFile **file) {
     Result result = f->error ? RESULT_IO : RESULT_OK;
     if (f->error) {
         log_error("%s: writing failed: %s; %s", f->path, strerror(f->error),
-                  f->error == ENOSPC ? "make room, or name a file elsewhere with -o" : "name another file with -o");
+                  f->error == ENOSPC ? "make room, or name a file elsewhere" : "name another file");
         if (f->temporary)
             unlink(f->temporary);
     }

@@ -4,6 +4,8 @@
 #pragma once
 #include "base/base.h"
 
+#include <stdio.h>
+
 typedef struct MeshFile MeshFile;
 
 // Opens a file beside `path`. What is not a regular file (a device, a pipe) is written in place. IO, MEMORY; logged.
@@ -15,6 +17,9 @@ void mesh_file_u8(MeshFile *file, uint8_t value);
 void mesh_file_u32(MeshFile *file, uint32_t value);
 void mesh_file_float(MeshFile *file, float value);
 void mesh_file_double(MeshFile *file, double value);
+
+// For who writes with stdio; what fails there is reported as well.
+FILE *mesh_file_stream(MeshFile *file);
 
 // Closes it and gives it its name. IO: one message names the file and the cause, and the file of that name, if there
 // was one, is as before.

@@ -1,0 +1,205 @@
+#define _POSIX_C_SOURCE 200809L
+#include "app/commands/command.h"
+#include "app/flight/flight_session.h"
+#include "app/json.h"
+#include "app/replay/replay_scene.h"
+#include "app/scene_load.h"
+#include "app/track/track_format.h"
+#include "app/track/track_time.h"
+#include "base/log.h"
+#include "config/files.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+typedef struct Convert {
+    const Options *options;
+    const char *in, *out;
+    const TrackFormat *from, *to;
+    World world; // of a recording
+    Geoid *geoid;
+    Track track;
+} Convert;
+
+#define RECORDING_ENDING ".ofr"
+#define INTERVAL_S 0.5
+#define INTERVAL_IGC_S 1.0 // which has whole seconds
+
+// A row of its own beside the tracks: it is flown again rather than read, and made by flying alone.
+static const TrackFormat recording = {.name = "ofr",
+                                      .ending = RECORDING_ENDING,
+                                      .what = "recording of overfly, flown again",
+                                      .wants_geoid = true,
+                                      .has_attitude = true};
+
+static Result find_format_to(Convert *c) {
+    size_t length = strlen(c->out), ending = strlen(RECORDING_ENDING);
+    if (length < ending || strcasecmp(c->out + length - ending, RECORDING_ENDING) != 0)
+        return track_format_of_ending(c->out, &c->to);
+    log_error("%s: a recording holds what the pilot did at every step, which no track tells; recordings are made by "
+              "flying: overfly fly --record %s",
+              c->out, c->out);
+    return RESULT_USAGE;
+}
+
+static Result check_names(Convert *c) {
+    if (options_positional_count(c->options) != 2) {
+        log_error("convert: expected two files: the flight to read, and what to write it as");
+        return RESULT_USAGE;
+    }
+    c->in = options_positionals(c->options)[0];
+    c->out = options_positionals(c->options)[1];
+    Result result = find_format_to(c);
+    if (result != RESULT_OK)
+        return result;
+    if (files_are_same(c->in, c->out)) {
+        log_error("%s: is the file that is read; name another to write", c->out);
+        return RESULT_USAGE;
+    }
+    c->from = &recording;
+    return playback_is_recording(c->in) ? RESULT_OK : track_format_of_file(c->in, &c->from);
+}
+
+// ---- reading ----
+
+static Result read_start(const Options *options, double *start_unix_s) {
+    const char *text = options_text(options, OPTION_START);
+    *start_unix_s = NAN;
+    if (!text || track_time_read(text, start_unix_s))
+        return RESULT_OK;
+    log_error("%s: found '%s'; expected a time as 2024-06-01T12:00:00Z", options_where(options, OPTION_START), text);
+    return RESULT_USAGE;
+}
+
+static double interval_s(const Convert *c) {
+    if (options_is_set(c->options, OPTION_INTERVAL))
+        return options_number(c->options, OPTION_INTERVAL);
+    return strcmp(c->to->name, "igc") == 0 ? INTERVAL_IGC_S : INTERVAL_S;
+}
+
+static void warn_of_difference(const Convert *c, const Playback *playback) {
+    char when[RECORDING_TIME_BYTES];
+    int64_t step = playback_first_difference(playback);
+    if (step >= 0)
+        log_warn("%s: flown again it is another flight from step %" PRId64 " on (%s): what is written is what was "
+                 "flown now",
+                 c->in, step, recording_time_text((uint64_t)step, RECORDING_STEPS_PER_S, when));
+}
+
+static Result fly_again(Convert *c, TrackReading how) {
+    Playback *playback = NULL;
+    Result result = replay_check_scene(c->options, c->in);
+    if (result == RESULT_OK)
+        result = replay_load_scene(c->options, c->in, &c->world);
+    if (result != RESULT_OK)
+        return result;
+    const PlaybackOptions options = {how, session_ground(&c->world), dem_hash(terrain_dem(c->world.terrain))};
+    result = playback_open(c->in, &options, &playback);
+    if (result == RESULT_OK)
+        result = playback_track(playback, interval_s(c), &c->track);
+    if (result == RESULT_OK)
+        warn_of_difference(c, playback);
+    playback_close(&playback);
+    return result;
+}
+
+static Result read_track(Convert *c) {
+    double start_unix_s;
+    TrackReading how = track_reading_default();
+    Result result = read_start(c->options, &start_unix_s);
+    if (result == RESULT_OK && (c->from->wants_geoid || c->to->wants_geoid))
+        result = scene_open_geoid(c->options, &c->geoid);
+    if (result != RESULT_OK)
+        return result;
+    how.geoid = c->geoid;
+    how.object = options_text(c->options, OPTION_OBJECT);
+    if (options_is_set(c->options, OPTION_IGC_ALT))
+        how.igc_alt = (TrackIgcAlt)options_choice(c->options, OPTION_IGC_ALT);
+    result = c->from == &recording ? fly_again(c, how) : c->from->read(c->in, &how, &c->track);
+    if (result == RESULT_OK && isfinite(start_unix_s))
+        c->track.start_unix_s = start_unix_s;
+    return result;
+}
+
+// ---- what was done ----
+
+static const char *attitude_name(const Track *track) {
+    return track_is_derived(track) ? "derived" : "recorded";
+}
+
+static const char *start_text(const Track *track, char out[TRACK_TIME_BYTES]) {
+    if (!isfinite(track->start_unix_s))
+        return NULL;
+    track_time_write(track->start_unix_s, out);
+    return out;
+}
+
+static double longest_gap_s(const Track *track) {
+    double longest = 0.0;
+    for (int i = 1; i < track->count; i++)
+        if (track->points[i].flags & TRACK_GAP)
+            longest = fmax(longest, track->points[i].t_s - track->points[i - 1].t_s);
+    return longest;
+}
+
+static Result print_json(const Convert *c) {
+    const Track *track = &c->track;
+    char start[TRACK_TIME_BYTES];
+    Json *json = json_create();
+    json_add_text(json, "file", c->in);
+    json_add_text(json, "format", c->from->name);
+    json_add_text(json, "name", track->name);
+    json_add_integer(json, "points", track->count);
+    json_add_text(json, "start_utc", start_text(track, start));
+    json_add_number(json, "duration_s", track_duration_s(track));
+    json_add_integer(json, "gaps", track_gap_count(track));
+    json_add_number(json, "longest_gap_s", longest_gap_s(track));
+    json_add_text(json, "heights", track_heights_name(track->heights));
+    json_add_text(json, "attitude", attitude_name(track));
+    Json *skipped = json_add_object(json, "skipped");
+    for (int i = 0; i < TRACK_SKIP_COUNT; i++)
+        json_add_integer(skipped, track_skip_name((TrackSkip)i), track->skipped[i]);
+    json_add_text(json, "output", c->out);
+    json_add_text(json, "output_format", c->to->name);
+    json_add_bool(json, "output_attitude", c->to->has_attitude);
+    Result result = json_print(json);
+    json_destroy(&json);
+    return result;
+}
+
+static void print_text(const Convert *c) {
+    const Track *track = &c->track;
+    char start[TRACK_TIME_BYTES];
+    const char *begun = start_text(track, start);
+    printf("read      %s: %s\n", c->in, c->from->what);
+    printf("flight    %d points, %.0f s, from %s\n", track->count, track_duration_s(track),
+           begun ? begun : "an unknown day");
+    printf("altitudes %s\n", track_heights_what(track->heights));
+    printf("attitude  %s\n", track_is_derived(track) ? "derived from the path" : "as recorded");
+    if (track_gap_count(track) > 0)
+        printf("gaps      %d, the longest %.0f s\n", track_gap_count(track), longest_gap_s(track));
+    for (int i = 0; i < TRACK_SKIP_COUNT; i++)
+        if (track->skipped[i] > 0)
+            printf("left out  %lld points %s\n", (long long)track->skipped[i], track_skip_what((TrackSkip)i));
+    printf("wrote     %s: %s%s\n", c->out, c->to->what, c->to->has_attitude ? "" : ", which has no attitude");
+}
+
+Result cmd_convert(const Options *options) {
+    Convert convert = {.options = options};
+    Result result = check_names(&convert);
+    if (result == RESULT_OK)
+        result = read_track(&convert);
+    if (result == RESULT_OK)
+        result = track_save(convert.out, convert.to, &convert.track, convert.geoid);
+    if (result == RESULT_OK && options_flag(options, OPTION_JSON))
+        result = print_json(&convert);
+    else if (result == RESULT_OK && !options_flag(options, OPTION_QUIET))
+        print_text(&convert);
+    track_clear(&convert.track);
+    world_unload(&convert.world);
+    geoid_close(&convert.geoid);
+    return result;
+}

@@ -1,0 +1,246 @@
+#define _POSIX_C_SOURCE 200809L
+#include "app/flight/flight_recorder.h"
+
+#include "app/version.h"
+#include "base/log.h"
+#include "config/files.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#define NAME_BYTES 64
+#define SAME_SECOND_MAX 100
+#define UNWRITTEN_STEPS_MAX (RECORDING_KEPT_STEPS / 2) // a frame at the fastest rate of time is far less than the rest
+#define FOLDER "recordings"
+
+struct FlightRecorder {
+    RecordingWriter *writer;
+    char path[PATHS_BYTES_MAX]; // "": memory only
+    char saved[PATHS_BYTES_MAX];
+    bool saving, failure_said;
+    uint32_t waited; // steps that are in the file for certain
+};
+
+// ---- what is recorded of where and what ----
+
+// Of the figures, whatever they are called: FNV-1a.
+static uint64_t hash_doubles(uint64_t hash, const void *from, const void *to) {
+    for (const uint8_t *byte = from; byte < (const uint8_t *)to; byte++)
+        hash = (hash ^ *byte) * UINT64_C(1099511628211);
+    return hash;
+}
+
+uint64_t flight_recording_aircraft_hash(const Aircraft *aircraft) {
+    uint64_t hash = hash_doubles(UINT64_C(14695981039346656037), &aircraft->cruise_speed, &aircraft->engine);
+    hash = hash_doubles(hash, &aircraft->torque, aircraft->legs);
+    for (int i = 0; i < aircraft->leg_count; i++)
+        hash = hash_doubles(hash, &aircraft->legs[i].x, &aircraft->legs[i] + 1);
+    return (hash ^ (uint64_t)aircraft->engine) * UINT64_C(1099511628211);
+}
+
+// By the name that it is found again by: of an aircraft file, its path.
+static void set_aircraft(RecordingHeader *header, const Options *options, const Aircraft *aircraft,
+                         const RecordingHeader *shown) {
+    recording_header_set(header, RECORDING_AIRCRAFT, "%s",
+                         shown                                        ? shown->environment[RECORDING_AIRCRAFT]
+                         : options_is_given(options, OPTION_AIRCRAFT) ? options_text(options, OPTION_AIRCRAFT)
+                                                                      : aircraft->id);
+    recording_header_set(header, RECORDING_AIRCRAFT_HASH, "%016llx",
+                         (unsigned long long)flight_recording_aircraft_hash(aircraft));
+}
+
+static void set_time(RecordingHeader *header) {
+    char when[NAME_BYTES];
+    time_t now = time(NULL);
+    struct tm utc;
+    if (gmtime_r(&now, &utc) && strftime(when, sizeof when, "%Y-%m-%dT%H:%M:%SZ", &utc))
+        recording_header_set(header, RECORDING_START_UTC, "%s", when);
+}
+
+void flight_recording_header(const World *world, const Options *options, const Flight *flight,
+                             const RecordingHeader *shown, RecordingHeader *out) {
+    const Dem *dem = terrain_dem(world->terrain);
+    *out = recording_header_create(FLIGHT_STATE_BYTES, FLIGHT_STATE_LAYOUT);
+    recording_header_set(out, RECORDING_PROGRAM, "overfly %s", version_text());
+    recording_header_set(out, RECORDING_SCENE, "%s", world->names);
+    set_time(out);
+    recording_header_set(out, RECORDING_DEM, "%s", dem->file);
+    recording_header_set(out, RECORDING_DEM_HASH, "%016llx", (unsigned long long)dem_hash(dem));
+    set_aircraft(out, options, flight->aircraft, shown);
+    recording_header_set(out, RECORDING_WEATHER, "wind %.17g %.17g %.17g m/s ECEF", flight->wind_ecef.x,
+                         flight->wind_ecef.y, flight->wind_ecef.z);
+}
+
+void flight_recording_weather(const RecordingHeader *header, Flight *flight) {
+    Vec3d wind;
+    flight->wind_ecef = vec3d(0.0, 0.0, 0.0);
+    if (sscanf(header->environment[RECORDING_WEATHER], "wind %lf %lf %lf", &wind.x, &wind.y, &wind.z) == 3)
+        flight->wind_ecef = wind;
+}
+
+// ---- recording ----
+
+Result recorder_create(const World *world, const Options *options, const Flight *flight, const RecordingHeader *shown,
+                       FlightRecorder **out) {
+    const char *path = options_text(options, OPTION_RECORD);
+    uint8_t state[FLIGHT_STATE_BYTES];
+    RecordingHeader header;
+    FlightRecorder *recorder = calloc(1, sizeof *recorder);
+    if (!recorder) {
+        log_error("no memory for recording the flight");
+        return RESULT_MEMORY;
+    }
+    if (path)
+        snprintf(recorder->path, sizeof recorder->path, "%s", path);
+    flight_recording_header(world, options, flight, shown, &header);
+    flight_state_pack(&flight->state, state);
+    Result result = recording_writer_create(&header, path, state, &recorder->writer);
+    if (result == RESULT_OK)
+        *out = recorder;
+    else
+        free(recorder);
+    return result;
+}
+
+Result recorder_close(FlightRecorder **recorder) {
+    if (!*recorder)
+        return RESULT_OK;
+    Result result = recording_writer_close(&(*recorder)->writer);
+    free(*recorder);
+    *recorder = NULL;
+    return result;
+}
+
+void recorder_fly(FlightRecorder *recorder, Flight *flight, const Controls *controls) {
+    uint8_t state[FLIGHT_STATE_BYTES];
+    ControlsCode code = recording_quantise(controls);
+    Controls flown = recording_controls(code);
+    flight_step(flight, &flown, FLIGHT_STEP_S);
+    flight_state_pack(&flight->state, state);
+    recording_writer_step(recorder->writer, code, flight_state_hash(&flight->state), state);
+}
+
+void recorder_restart(FlightRecorder *recorder, RecordingEventKind why, const Flight *flight) {
+    uint8_t state[FLIGHT_STATE_BYTES];
+    flight_state_pack(&flight->state, state);
+    recording_writer_restart(recorder->writer, why, state);
+}
+
+void recorder_tell(FlightRecorder *recorder, RecordingEventKind what) {
+    recording_writer_event(recorder->writer, what, NULL, 0);
+}
+
+// ---- the last ten minutes ----
+
+static bool name_in(const char *folder, time_t now, int number, char out[PATHS_BYTES_MAX]) {
+    char when[NAME_BYTES], suffix[16] = "";
+    struct tm local;
+    if (!localtime_r(&now, &local) || strftime(when, sizeof when, "%Y%m%d-%H%M%S", &local) == 0)
+        return false;
+    if (number > 0)
+        snprintf(suffix, sizeof suffix, "-%d", number + 1);
+    int printed = snprintf(out, PATHS_BYTES_MAX, "%s/overfly-%s%s.ofr", folder, when, suffix);
+    return printed > 0 && printed < PATHS_BYTES_MAX;
+}
+
+// In the state folder of the user; where there is none, here.
+static bool new_name(char out[PATHS_BYTES_MAX]) {
+    char folder[PATHS_BYTES_MAX];
+    time_t now = time(NULL);
+    if (!files_user_state(FOLDER, folder) || files_make_folder(folder) != RESULT_OK)
+        snprintf(folder, sizeof folder, ".");
+    for (int i = 0; i < SAME_SECOND_MAX; i++)
+        if (!name_in(folder, now, i, out))
+            return false;
+        else if (!files_exists(out))
+            return true;
+    return false;
+}
+
+void recorder_save(FlightRecorder *recorder, char message[RECORDER_MESSAGE_BYTES]) {
+    char path[PATHS_BYTES_MAX];
+    Result result = new_name(path) ? recording_writer_save(recorder->writer, path) : RESULT_RANGE;
+    recorder->saving = recorder->saving || result == RESULT_OK;
+    if (result == RESULT_OK)
+        snprintf(recorder->saved, sizeof recorder->saved, "%s", path);
+    snprintf(message, RECORDER_MESSAGE_BYTES, result == RESULT_OK ? "saving the last ten minutes" : "not saved: %s",
+             result_text(result));
+}
+
+static void tell_saving(FlightRecorder *recorder, char message[RECORDER_MESSAGE_BYTES]) {
+    RecordingSaving saving = recording_writer_saving(recorder->writer);
+    if (saving == RECORDING_SAVING_GOES_ON)
+        return;
+    recorder->saving = false;
+    if (saving == RECORDING_SAVING_DONE) {
+        log_info("recording: %s", recorder->saved);
+        snprintf(message, RECORDER_MESSAGE_BYTES, "recording: %.140s", recorder->saved);
+    } else {
+        snprintf(message, RECORDER_MESSAGE_BYTES, "the recording could not be saved: see the log");
+    }
+}
+
+void recorder_news(FlightRecorder *recorder, char message[RECORDER_MESSAGE_BYTES]) {
+    bool failed = recording_writer_failed(recorder->writer);
+    message[0] = '\0';
+    if (failed && !recorder->failure_said)
+        snprintf(message, RECORDER_MESSAGE_BYTES, "recording stands still: the file cannot be written; flying on");
+    else if (!failed && recorder->failure_said)
+        snprintf(message, RECORDER_MESSAGE_BYTES, "recording goes on");
+    recorder->failure_said = failed;
+    if (recorder->saving)
+        tell_saving(recorder, message);
+}
+
+void recorder_wait(FlightRecorder *recorder) {
+    uint32_t steps = recording_writer_steps(recorder->writer);
+    if (steps - recorder->waited < UNWRITTEN_STEPS_MAX)
+        return;
+    recording_writer_wait(recorder->writer);
+    recorder->waited = steps;
+}
+
+const char *recorder_path(const FlightRecorder *recorder) {
+    return recorder->path[0] ? recorder->path : NULL;
+}
+
+uint32_t recorder_steps(const FlightRecorder *recorder) {
+    return recording_writer_steps(recorder->writer);
+}
+
+uint64_t recorder_hash(const FlightRecorder *recorder) {
+    return recording_writer_hash(recorder->writer);
+}
+
+// ---- flown again ----
+
+static bool load(void *user, const void *state) {
+    Flight *flight = user;
+    return flight_state_unpack(state, &flight->state) == RESULT_OK;
+}
+
+static void save(void *user, void *state) {
+    const Flight *flight = user;
+    flight_state_pack(&flight->state, state);
+}
+
+static void step(void *user, const Controls *controls) {
+    flight_step(user, controls, FLIGHT_STEP_S);
+}
+
+static uint64_t hash(void *user) {
+    const Flight *flight = user;
+    return flight_state_hash(&flight->state);
+}
+
+RecordingSim flight_sim(Flight *flight) {
+    return (RecordingSim){.user = flight,
+                          .state_bytes = FLIGHT_STATE_BYTES,
+                          .state_layout = FLIGHT_STATE_LAYOUT,
+                          .load = load,
+                          .save = save,
+                          .step = step,
+                          .hash = hash};
+}

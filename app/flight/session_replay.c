@@ -1,0 +1,136 @@
+// A session that shows a recorded flight instead of flying: time goes along it as keys say, and the aircraft is where
+// it was.
+#include "app/flight/flight_session.h"
+#include "base/log.h"
+#include "terrain/geodesy.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#define RATE_NORMAL 3 // of --time-rate's choices: 1
+
+static void show_moment(FlightSession *session) {
+    int64_t step = session->flight.state.step;
+    session->moment = playback_at(session->playback, session->timeline.t_s);
+    session->flight.state = session->moment.state;
+    session->flight.state.step = step;
+}
+
+static Result find_start(FlightSession *session, const Options *options) {
+    const char *text = options_text(options, OPTION_AT);
+    double t_s = session->timeline.backwards ? session->timeline.duration_s : 0.0;
+    char duration[TIMELINE_TEXT_BYTES];
+    timeline_write(session->timeline.duration_s, duration);
+    if (text && (!timeline_read(text, &t_s) || t_s > session->timeline.duration_s)) {
+        log_error("%s: expected a time of the flight, as seconds, M:SS or H:MM:SS, up to %s; found '%s'",
+                  options_where(options, OPTION_AT), duration, text);
+        return RESULT_USAGE;
+    }
+    timeline_jump(&session->timeline, t_s);
+    return RESULT_OK;
+}
+
+Result session_begin_replay(FlightSession *session, Playback *playback, const Options *options) {
+    session->playback = playback;
+    if (playback_aircraft(playback))
+        session->aircraft = *playback_aircraft(playback);
+    session->flight.wind_ecef = playback_wind(playback);
+    session->demo_flies = false;
+    session->timeline = timeline_create(playback_duration_s(playback));
+    session->timeline.rate = options_choice(options, OPTION_REPLAY_RATE) - RATE_NORMAL;
+    session->timeline.backwards = options_flag(options, OPTION_BACKWARDS);
+    Result result = find_start(session, options);
+    if (result == RESULT_OK)
+        show_moment(session);
+    return result;
+}
+
+// A recording's state is all there is to know; of a track a steady flight is made from where it was.
+static void fly_on(FlightSession *session) {
+    session->flight.state = playback_at_step(session->playback, session->timeline.t_s).state;
+    if (playback_aircraft(session->playback))
+        return;
+    FlightInstruments now = flight_instruments(&session->flight);
+    double climb = fmin(fmax(now.vertical_speed_m_s / fmax(now.speed_m_s, 1.0), -1.0), 1.0);
+    const FlightStart start = {.lat_rad = now.lat_rad,
+                               .lon_rad = now.lon_rad,
+                               .h_m = now.h_m,
+                               .heading_rad = now.heading_rad,
+                               .pitch_rad = asin(climb),
+                               .speed_m_s = now.speed_m_s};
+    session->flight = flight_create(&session->aircraft, &start, session->flight.ground);
+}
+
+void session_end_replay(FlightSession *session) {
+    const FlightState *state = &session->flight.state;
+    int64_t step = state->step;
+    fly_on(session);
+    session->playback = NULL;
+    session->flight.state.step = step;
+    session->keyboard = keyboard_create(state->throttle);
+    session->keyboard.controls = (Controls){
+        .trim = state->elevator, .throttle = state->throttle, .flaps = state->flaps, .gear_up = state->gear < 0.5};
+    session->help = (Autopilot){.engaged = false};
+    session->begin = session->flight.state;
+    if (session->recorder)
+        recorder_restart(session->recorder, RECORDING_EVENT_TAKE_OVER, &session->flight);
+    session_say(session, "you have control");
+}
+
+static void say_rate(FlightSession *session) {
+    char message[PIPELINE_MESSAGE_BYTES];
+    snprintf(message, sizeof message, "replay x %g", timeline_rate(&session->timeline));
+    session_say(session, message);
+}
+
+static void jump(FlightSession *session, double t_s) {
+    timeline_jump(&session->timeline, t_s);
+    show_moment(session);
+}
+
+static void act_on_time(FlightSession *session, Action action) {
+    Timeline *timeline = &session->timeline;
+    switch (action) {
+    case ACTION_REPLAY_FASTER:
+    case ACTION_REPLAY_SLOWER:
+        timeline_change_rate(timeline, action == ACTION_REPLAY_FASTER ? 1 : -1);
+        say_rate(session);
+        return;
+    case ACTION_REPLAY_TURN:
+        timeline_turn(timeline);
+        say_rate(session);
+        return;
+    case ACTION_REPLAY_PLAY:
+        timeline_play_or_pause(timeline);
+        show_moment(session);
+        return;
+    default:
+        return;
+    }
+}
+
+bool session_replay_key(FlightSession *session, int key) {
+    Action action = action_of_replay_key(key);
+    const Timeline *timeline = &session->timeline;
+    // The free view is flown with the keys that fly.
+    if (action == ACTION_NONE ||
+        (session->settings.view == CAMERA_FREE && action_of_key(key, false) < ACTION_HELD_COUNT &&
+         action_of_key(key, false) != ACTION_NONE))
+        return false;
+    if (action == ACTION_REPLAY_TAKE_OVER)
+        session_end_replay(session);
+    else if (action == ACTION_REPLAY_TENTH)
+        jump(session, timeline->duration_s * (key - '0') / 10.0);
+    else if (action == ACTION_REPLAY_START || action == ACTION_REPLAY_END)
+        jump(session, action == ACTION_REPLAY_START ? 0.0 : timeline->duration_s);
+    else if (action == ACTION_REPLAY_BACK || action == ACTION_REPLAY_AHEAD)
+        jump(session, timeline->t_s + (action == ACTION_REPLAY_BACK ? -TIMELINE_HOP_S : TIMELINE_HOP_S));
+    else
+        act_on_time(session, action);
+    return true;
+}
+
+void session_replay_advance(FlightSession *session, double passed_s) {
+    timeline_advance(&session->timeline, passed_s);
+    show_moment(session);
+}

@@ -1,0 +1,11 @@
+// app/replay/replay_scene.h: the land that a recorded flight is flown over again.
+// No units.
+// The world is the caller's. Main thread.
+#pragma once
+#include "app/scene_load.h"
+#include "config/options.h"
+
+// What a replay's command line names after the track; else, of a recording, what it was flown over; else the default
+// scene. Errors of world_check_inputs and world_load; those of a recording's header.
+MUST_USE Result replay_check_scene(const Options *options, const char *track);
+MUST_USE Result replay_load_scene(const Options *options, const char *track, World *out);

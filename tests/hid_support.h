@@ -1,0 +1,23 @@
+// tests/hid_support.h: descriptors of sticks that are sold, and what must hold for any bytes at all.
+// Bytes as devices send them.
+// Static tables; values.
+#pragma once
+#include "input/hid/hid_descriptor.h"
+
+typedef struct HidSample {
+    const char *name;
+    const uint8_t *bytes;
+    size_t count;
+} HidSample;
+
+// Descriptors published by their owners; the sources stand beside the bytes.
+extern const HidSample hid_x52, hid_hotas4, hid_raptor;
+// Ours, of the report layouts published for the Logitech Extreme 3D Pro and the Thrustmaster T.16000M.
+extern const HidSample hid_extreme3d, hid_t16000m;
+#define HID_SAMPLES                                                                                                    \
+    { &hid_x52, &hid_hotas4, &hid_raptor, &hid_extreme3d, &hid_t16000m }
+
+// Parses the bytes and decodes reports of every id and length that `seed` makes up. NULL, or which promise was broken.
+const char *hid_exercise(const uint8_t *bytes, size_t count, uint64_t seed);
+// The next number of a sequence (splitmix64, Steele et al. 2014); the state is any number.
+uint64_t hid_random(uint64_t *state);

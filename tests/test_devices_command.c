@@ -1,0 +1,155 @@
+// overfly devices, as a person and a script run it, with a stick and a pad that are not there.
+#define _GNU_SOURCE // setresuid
+#include "tests/device_support.h"
+
+#include "base/clock.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#define NOBODY 65534
+
+static int set_up(void **state) {
+    *state = fake_bed_create();
+    return setenv("XDG_CONFIG_HOME", "/nowhere", 1) || setenv("XDG_STATE_HOME", "/nowhere", 1);
+}
+
+static int tear_down(void **state) {
+    FakeBed *bed = *state;
+    fake_bed_destroy(&bed);
+    return 0;
+}
+
+static FILE *start(const char *arguments) {
+    char command[512];
+    fflush(stdout);
+    snprintf(command, sizeof command, "%s devices %s", OVERFLY_PROGRAM, arguments);
+    FILE *pipe = popen(command, "r");
+    assert_non_null(pipe);
+    return pipe;
+}
+
+// What it prints until it ends, which must be well.
+static void finish(FILE *pipe, char out[8192]) {
+    size_t count = fread(out, 1, 8191, pipe);
+    int status = pclose(pipe);
+    out[count] = '\0';
+    print_message("%s", out);
+    assert_true(WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), 0);
+}
+
+static void expect(const char *text, const char *part) {
+    if (!strstr(text, part))
+        fail_msg("expected '%s' in the above", part);
+}
+
+static void test_nothing_is_found_and_it_is_said_what_was_looked_for(void **state) {
+    FakeBed *bed = *state;
+    char text[8192];
+    fake_stick_plug(bed, &FAKE_MOUSE, 0);
+    finish(start(""), text);
+    expect(text, "No joystick or gamepad was found");
+    expect(text, "/dev/hidraw*");
+    expect(text, "/dev/bus/usb");
+    finish(start("--json"), text);
+    expect(text, "\"devices\":\t[]");
+}
+
+static void test_sticks_and_pads_are_listed_with_their_profile(void **state) {
+    FakeBed *bed = *state;
+    char text[8192];
+    fake_stick_plug(bed, &FAKE_JOYSTICK, 0);
+    FakePad *pad = fake_pad_plug(bed, 3, FAKE_FREE);
+    uint8_t report[FAKE_PAD_BYTES];
+    fake_pad_report(&(FakePadHands){.left_x = 1.0, .left_trigger = 1.0, .buttons = 0x1008}, report);
+    fake_pad_send(pad, report, sizeof report);
+    finish(start(""), text);
+    expect(text, "Nobody Pretended Stick (044f:b10a)\n  node        /dev/hidraw0, HID\n");
+    expect(text, "may be read and written");
+    expect(text, "thrustmaster-t16000m.joystick");
+    expect(text, "Nobody Pretended Pad (045e:028e)\n  node        /dev/bus/usb/001/003, USB\n");
+    expect(text, "  x            +1.000   aileron      +1.000\n");
+    expect(text, "  x                 ?   aileron           ?\n");
+    expect(text, "  brake        +1.000   brakes       +1.000\n");
+    expect(text, "  hat 1       right   look-x +1.00\n");
+    expect(text, "  11 buttons  1 (next view)\n");
+}
+
+static void test_json_tells_the_same(void **state) {
+    FakeBed *bed = *state;
+    char text[8192];
+    fake_pad_plug(bed, 3, FAKE_FREE);
+    finish(start("--json"), text);
+    expect(text, "\"name\":\t\"Nobody Pretended Pad\"");
+    expect(text, "\"vendor\":\t\"045e\"");
+    expect(text, "\"readable\":\ttrue");
+    expect(text, "\"udev_rule\":\t\"SUBSYSTEM==\\\"usb\\\"");
+    expect(text, "\"raw\":\tnull");
+}
+
+static void test_a_node_that_may_not_be_read_is_told_with_its_remedy(void **state) {
+    FakeBed *bed = *state;
+    char text[8192];
+    if (getuid() != 0) {
+        print_message("only root can leave off its rights for a while\n");
+        skip();
+    }
+    fake_bed_open_to_all(bed);
+    fake_stick_plug(bed, &FAKE_JOYSTICK, 0);
+    assert_int_equal(setresuid(NOBODY, NOBODY, 0), 0);
+    FILE *pipe = start("");
+    finish(pipe, text);
+    assert_int_equal(setresuid(0, 0, 0), 0);
+    expect(text, "Permission denied (mode ");
+    expect(text, "    KERNEL==\"hidraw*\", KERNELS==\"*:044F:B10A.*\", TAG+=\"uaccess\"\n");
+    expect(text, "sudo udevadm control --reload-rules && sudo udevadm trigger");
+    expect(text, "70-overfly.rules /etc/udev/rules.d/");
+}
+
+static void sleep_ms(int ms) {
+    clock_sleep_until_ns(clock_now_ns() + (int64_t)ms * 1000000);
+}
+
+static void test_watching_prints_a_line_for_what_changes(void **state) {
+    FakeBed *bed = *state;
+    char text[8192], line[512];
+    uint8_t report[FAKE_STICK_BYTES];
+    FakeStick *stick = fake_stick_plug(bed, &FAKE_JOYSTICK, 0);
+    FILE *pipe = start("--watch --seconds 2");
+    assert_non_null(fgets(line, sizeof line, pipe));
+    assert_string_equal(line, "/dev/hidraw0: Nobody Pretended Stick arrived\n");
+    fake_joystick_report(0.5, -1.0, 0.0, 1.0, 2, 0x81, report);
+    fake_stick_send(stick, report, sizeof report);
+    sleep_ms(300);
+    fake_stick_unplug(stick);
+    finish(pipe, text);
+    expect(text, "/dev/hidraw0: x +0.500 (aileron ");
+    expect(text, " y -1.000 (elevator -1.000)");
+    expect(text, " hat 2 button 1 button 8\n");
+    expect(text, "/dev/hidraw0: Nobody Pretended Stick left\n");
+}
+
+#define DEVICE_TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        DEVICE_TEST(test_nothing_is_found_and_it_is_said_what_was_looked_for),
+        DEVICE_TEST(test_sticks_and_pads_are_listed_with_their_profile),
+        DEVICE_TEST(test_json_tells_the_same),
+        DEVICE_TEST(test_a_node_that_may_not_be_read_is_told_with_its_remedy),
+        DEVICE_TEST(test_watching_prints_a_line_for_what_changes),
+    };
+    if (!fake_bed_works()) {
+        print_message("skipped: umockdev's preload library is not there\n");
+        return 77;
+    }
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
