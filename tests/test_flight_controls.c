@@ -286,9 +286,9 @@ static void flaps_gear_brakes_and_trim_follow_their_keys(void **state) {
     (void)state;
     Keyboard keyboard = keyboard_create(0.0);
     for (int i = 0; i < 5; i++)
-        keyboard_move_flaps(&keyboard, 1);
+        keyboard_move_flaps(&keyboard, true);
     assert_true(keyboard.controls.flaps == 1.0);
-    keyboard_move_flaps(&keyboard, -1);
+    keyboard_move_flaps(&keyboard, false);
     assert_true(fabs(keyboard.controls.flaps - 2.0 / 3.0) < 1e-12);
     keyboard_set_gear(&keyboard, true);
     keyboard_on_key(&keyboard, 'B', true, false);
