@@ -55,9 +55,13 @@ static Result read_listed(const char *const *names, int count, Scene *out) {
     return count > 0 ? read_named(names, count, out) : read_default(out);
 }
 
-static Result read_scene(const Options *options, Scene *out) {
+int world_first_name(const Options *options) {
     // The first word of these is what to measure, to replay, or to fly.
-    int first = (options_command(options) & (COMMAND_BENCH | COMMAND_REPRODUCE | COMMAND_REPLAY | COMMAND_DEMO)) != 0;
+    return (options_command(options) & (COMMAND_BENCH | COMMAND_REPRODUCE | COMMAND_REPLAY | COMMAND_DEMO)) != 0;
+}
+
+static Result read_scene(const Options *options, Scene *out) {
+    int first = world_first_name(options);
     int count = options_positional_count(options) - first;
     return read_listed(options_positionals(options) + first, count, out);
 }

@@ -33,6 +33,9 @@ MUST_USE Result scene_load_dem(const Options *options, Dem **out);
 // The EGM96 grid: --geoid, else the program's own. NOT_FOUND, FORMAT.
 MUST_USE Result scene_open_geoid(const Options *options, Geoid **out);
 
+// Which positional argument is the first that names the land.
+int world_first_name(const Options *options);
+
 // Before anything slow or visible is done for a picture: whether the files it is made of are there. What is wrong with
 // their contents is found by those who read them. On failure one message names the file. USAGE: --image-bounds without
 // an image.
