@@ -1,5 +1,6 @@
-// tests/replay_support.h: flights of the real flight model over real terrain, recorded, and what was flown at each
-// step. Steps of FLIGHT_STEP_S. The test owns what it made, and frees it.
+// tests/replay_support.h: flights of the real flight model over real terrain, recorded, and what was flown step by step.
+// Steps of FLIGHT_STEP_S; states as flight_state_pack has them.
+// The test owns what it made, and frees it; one thread.
 #pragma once
 #include "app/flight/flight_recorder.h"
 #include "app/flight/flight_session.h"

@@ -16,6 +16,7 @@
 #include <fcntl.h>
 #include <inttypes.h>
 #include <pthread.h>
+#include <stdatomic.h>
 #include <time.h>
 
 #include "base/clock.h"
@@ -375,8 +376,15 @@ static bool no_ground(void *user, double lat_rad, double lon_rad, double *h_m) {
     return false;
 }
 
+// A disk that takes nothing as long as the flight goes on, as a pipe that nobody empties; then all of it, into a file.
+typedef struct SlowDisk {
+    char pipe[140], file[128];
+    uint32_t steps;         // of the whole flight
+    _Atomic uint32_t flown; // so far
+} SlowDisk;
+
 // Hands off but for what a key does now and then: steps as cheap as there are.
-static void fly_high(const Fixture *fixture, const char *path, uint32_t steps) {
+static void fly_high(const Fixture *fixture, SlowDisk *disk) {
     Aircraft aircraft;
     FlightRecorder *recorder;
     Options *options = fixture->world.options;
@@ -384,13 +392,14 @@ static void fly_high(const Fixture *fixture, const char *path, uint32_t steps) {
     Flight flight = replay_start(&fixture->world, &aircraft);
     flight.ground = (FlightGround){no_ground, NULL};
     const RecordedFlight recorded = replay_recorded(&flight);
-    assert_int_equal(options_set(options, OPTION_RECORD, path, SOURCE_COMMAND_LINE, "--record"), RESULT_OK);
+    assert_int_equal(options_set(options, OPTION_RECORD, disk->pipe, SOURCE_COMMAND_LINE, "--record"), RESULT_OK);
     assert_int_equal(recorder_create(&fixture->world.world, options, &recorded, &recorder), RESULT_OK);
     Controls controls = flight.controls;
-    for (uint32_t i = 0; i < steps; i++) {
+    for (uint32_t i = 0; i < disk->steps; i++) {
         controls.aileron = i % 2400 < 60 ? 0.05 : i % 2400 - 1200 < 60 ? -0.05 : 0.0;
         recorder_fly(recorder, &flight, &controls);
         recorder_wait(recorder);
+        atomic_store(&disk->flown, i + 1);
     }
     assert_int_equal(recorder_close(&recorder), RESULT_OK);
 }
@@ -441,16 +450,19 @@ static void any_moment_of_three_hours_is_near(void **state) {
     unlink(path);
 }
 
-// A disk that takes nothing for a while, as a pipe that nobody empties: what it gets is copied to a file.
-typedef struct SlowDisk {
-    char pipe[140], file[128];
-} SlowDisk;
+static void wait_until_it_stands_still(SlowDisk *disk) {
+    for (uint32_t before = UINT32_MAX, now = 0; (now != before || now == 0) && now < disk->steps;) {
+        nanosleep(&(struct timespec){.tv_nsec = 200000000}, NULL);
+        before = now;
+        now = atomic_load(&disk->flown);
+    }
+}
 
 static void *empty_late(void *user) {
-    const SlowDisk *disk = user;
+    SlowDisk *disk = user;
     char bytes[4096];
     int from = open(disk->pipe, O_RDONLY), to = open(disk->file, O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    nanosleep(&(struct timespec){.tv_nsec = 500000000}, NULL);
+    wait_until_it_stands_still(disk);
     for (ssize_t count; (count = read(from, bytes, sizeof bytes)) > 0;)
         if (write(to, bytes, (size_t)count) != count)
             break;
@@ -461,19 +473,19 @@ static void *empty_late(void *user) {
 
 static void a_slow_disk_is_waited_for_where_time_does_not_matter(void **state) {
     const Fixture *fixture = *state;
-    const uint32_t steps = 25 * 60 * 120; // more than is kept in memory
-    SlowDisk disk;
+    static SlowDisk disk;
+    disk.steps = 40 * 60 * 120; // more than the memory holds, which are 2048 chunks
     pthread_t thread;
     replay_path("slow", disk.file);
     snprintf(disk.pipe, sizeof disk.pipe, "%s.pipe", disk.file);
     assert_int_equal(mkfifo(disk.pipe, 0600), 0);
     assert_int_equal(pthread_create(&thread, NULL, empty_late, &disk), 0);
-    fly_high(fixture, disk.pipe, steps);
+    fly_high(fixture, &disk);
     assert_int_equal(pthread_join(thread, NULL), 0);
     RecordingReader *reader;
     assert_int_equal(recording_reader_open(disk.file, &reader), RESULT_OK);
-    assert_int_equal(recording_reader_end(reader), steps);
-    assert_int_equal(recording_reader_segment_count(reader), steps / RECORDING_KEYFRAME_STEPS);
+    assert_int_equal(recording_reader_end(reader), disk.steps);
+    assert_int_equal(recording_reader_segment_count(reader), disk.steps / RECORDING_KEYFRAME_STEPS);
     const RecordingDamage *damages;
     assert_int_equal(recording_reader_damages(reader, &damages), 0);
     recording_reader_close(&reader);

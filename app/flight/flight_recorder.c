@@ -85,8 +85,7 @@ void flight_recording_weather(const RecordingHeader *header, Flight *flight) {
 
 // ---- recording ----
 
-Result recorder_create(const World *world, const Options *options, const RecordedFlight *flown,
-                       FlightRecorder **out) {
+Result recorder_create(const World *world, const Options *options, const RecordedFlight *flown, FlightRecorder **out) {
     const char *path = options_text(options, OPTION_RECORD);
     uint8_t state[FLIGHT_STATE_BYTES];
     RecordingHeader header;

@@ -24,7 +24,7 @@ typedef struct FlightSession {
     GovernorNotice slow_notice;
     Aircraft aircraft;
     const char *aircraft_name; // what aircraft_load finds it by; borrowed
-    Flight flight; // borrows the aircraft: the session stays where it is
+    Flight flight;             // borrows the aircraft: the session stays where it is
     FlightState begin;
     bool assist; // of the keys
     bool holds;  // the autopilot flies, as wished
