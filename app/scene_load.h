@@ -12,8 +12,11 @@
 #include "terrain/lod/lod.h"
 #include "terrain/terrain.h"
 
+#define WORLD_NAMES_BYTES 1024
+
 typedef struct World {
-    Scene scene; // from the scene file; for plain DEMs empty but for their paths
+    char names[WORLD_NAMES_BYTES]; // what was loaded, as it was named, with | between; "": the default scene
+    Scene scene;                   // from the scene file; for plain DEMs empty but for their paths
     Jobs *jobs;
     Geoid *geoid; // for people's altitudes, whatever the DEM's own datum
     Terrain *terrain;
@@ -32,9 +35,6 @@ LodOptions scene_lod_options(const Options *options);
 MUST_USE Result scene_load_dem(const Options *options, Dem **out);
 // The EGM96 grid: --geoid, else the program's own. NOT_FOUND, FORMAT.
 MUST_USE Result scene_open_geoid(const Options *options, Geoid **out);
-
-// Which positional argument is the first that names the land.
-int world_first_name(const Options *options);
 
 // Before anything slow or visible is done for a picture: whether the files it is made of are there. What is wrong with
 // their contents is found by those who read them. On failure one message names the file. USAGE: --image-bounds without

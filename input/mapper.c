@@ -56,6 +56,7 @@ static void set_driver(Mapper *mapper, int control, MapperDriver driver) {
         axis->looked = axis->value;
     }
     mapper->drivers[control] = driver;
+    mapper->offsets[control] = 0.0;
 }
 
 // Sets the control to where the keyboard then goes on from.
@@ -101,17 +102,33 @@ static bool may_take(const Mapper *mapper, int slot, int mapping, int control, d
     return axis->value != before && (crossed || fabs(now - present) <= MAPPER_PICK_UP);
 }
 
-static void move_controls(Mapper *mapper, int slot, int mapping, double before) {
+// `looked`: where the axis lay before it was moved.
+static void take(Mapper *mapper, int slot, int mapping, int control, double looked) {
+    set_driver(mapper, control, (MapperDriver){MAPPER_AXIS, slot, mapping});
+    if (!pad_control_rests((PadControl)control))
+        return;
+    mapper->offsets[control] = mapper->values[control] - mapped(&mapper->slots[slot], mapping, looked);
+    mapper->fade_per_s[control] = fabs(mapper->offsets[control]) / MAPPER_FADE_S;
+}
+
+// What the axis that drives the control makes of it.
+static void follow_axis(Mapper *mapper, int control) {
+    MapperDriver driver = mapper->drivers[control];
+    const MapperSlot *pad = &mapper->slots[driver.slot];
+    double value = mapped(pad, driver.mapping, pad->axes[driver.mapping].value) + mapper->offsets[control];
+    mapper->values[control] = clamp(value, pad_control_least((PadControl)control), 1.0);
+}
+
+static void move_controls(Mapper *mapper, int slot, int mapping, double before, double looked) {
     int first, last;
-    MapperSlot *pad = &mapper->slots[slot];
-    span_of(pad->profile.axes[mapping].control, &first, &last);
+    span_of(mapper->slots[slot].profile.axes[mapping].control, &first, &last);
     for (int control = first; control <= last; control++) {
         if (!drives(mapper, control, slot, mapping)) {
             if (!may_take(mapper, slot, mapping, control, before))
                 continue;
-            set_driver(mapper, control, (MapperDriver){MAPPER_AXIS, slot, mapping});
+            take(mapper, slot, mapping, control, looked);
         }
-        mapper->values[control] = mapped(pad, mapping, pad->axes[mapping].value);
+        follow_axis(mapper, control);
     }
 }
 
@@ -119,7 +136,7 @@ static void report_axis(Mapper *mapper, int slot, int mapping, const PadState *s
     MapperAxis *axis = &mapper->slots[slot].axes[mapping];
     if (axis->index < 0 || state->axes_unknown >> axis->index & 1 || !isfinite(state->axes[axis->index]))
         return;
-    double before = axis->value, now = clamp(state->axes[axis->index], -1.0, 1.0);
+    double before = axis->value, looked = axis->looked, now = clamp(state->axes[axis->index], -1.0, 1.0);
     axis->value = now;
     if (!axis->known) {
         axis->known = true;
@@ -130,7 +147,7 @@ static void report_axis(Mapper *mapper, int slot, int mapping, const PadState *s
         axis->moved = true;
         axis->looked = now;
     }
-    move_controls(mapper, slot, mapping, before);
+    move_controls(mapper, slot, mapping, before, looked);
 }
 
 // ---- Buttons ---------------------------------------------------------------------------------------------------
@@ -216,9 +233,25 @@ static void report_buttons(Mapper *mapper, int slot, const PadState *before, Key
 
 // ---- Plugging --------------------------------------------------------------------------------------------------
 
+static void let_go(Mapper *mapper, int control) {
+    double value = mapper->values[control];
+    bool rests = pad_control_rests((PadControl)control) && value != 0.0;
+    set_driver(mapper, control, rests ? (MapperDriver){MAPPER_RESTING, -1, -1} : keys);
+    mapper->rest_per_s[control] = fabs(value) / MAPPER_CENTRE_S;
+}
+
+static void let_go_of_all(Mapper *mapper, int slot) {
+    for (int control = 0; control < PAD_CONTROL_COUNT; control++) {
+        MapperDriver driver = mapper->drivers[control];
+        if ((driver.kind == MAPPER_AXIS || driver.kind == MAPPER_BUTTONS) && driver.slot == slot)
+            let_go(mapper, control);
+    }
+}
+
 void mapper_connect(Mapper *mapper, int slot, const PadInfo *info, const PadProfile *profile,
                     const PadCalibration *calibration) {
     MapperSlot *pad = &mapper->slots[slot];
+    let_go_of_all(mapper, slot); // of one whose departure nobody told
     *pad = (MapperSlot){.connected = true, .state = pad_at_rest()};
     pad->profile = profile ? *profile : profile_default(info);
     if (calibration)
@@ -227,22 +260,11 @@ void mapper_connect(Mapper *mapper, int slot, const PadInfo *info, const PadProf
         pad->axes[i].index = index_of_axis(info, &pad->profile.axes[i]);
 }
 
-static void let_go(Mapper *mapper, int control) {
-    double value = mapper->values[control];
-    bool rests = pad_control_rests((PadControl)control) && value != 0.0;
-    set_driver(mapper, control, rests ? (MapperDriver){MAPPER_RESTING, -1, -1} : keys);
-    mapper->rest_per_s[control] = fabs(value) / MAPPER_CENTRE_S;
-}
-
 void mapper_disconnect(Mapper *mapper, int slot, Keyboard *keyboard) {
     MapperSlot *pad = &mapper->slots[slot];
     if (!pad->connected)
         return;
-    for (int control = 0; control < PAD_CONTROL_COUNT; control++) {
-        MapperDriver driver = mapper->drivers[control];
-        if ((driver.kind == MAPPER_AXIS || driver.kind == MAPPER_BUTTONS) && driver.slot == slot)
-            let_go(mapper, control);
-    }
+    let_go_of_all(mapper, slot);
     for (int i = 0; i < pad->profile.button_count; i++)
         change_action(pad, i, false, keyboard);
     *pad = (MapperSlot){.connected = false};
@@ -287,11 +309,19 @@ static bool is_touched(const Mapper *mapper, const Keyboard *keyboard, int contr
     return pad_control_rests((PadControl)control) ? fabs(now) > fabs(before) : now != before;
 }
 
+static double towards_zero(double value, double step) {
+    return copysign(fmax(fabs(value) - step, 0.0), value);
+}
+
 static void rest(Mapper *mapper, int control, double dt_s) {
-    double step = mapper->rest_per_s[control] * dt_s, value = mapper->values[control];
-    mapper->values[control] = copysign(fmax(fabs(value) - step, 0.0), value);
+    mapper->values[control] = towards_zero(mapper->values[control], mapper->rest_per_s[control] * dt_s);
     if (mapper->values[control] == 0.0)
         mapper->drivers[control] = keys;
+}
+
+static void fade(Mapper *mapper, int control, double dt_s) {
+    mapper->offsets[control] = towards_zero(mapper->offsets[control], mapper->fade_per_s[control] * dt_s);
+    follow_axis(mapper, control);
 }
 
 static void sample_control(Mapper *mapper, Keyboard *keyboard, int control, double dt_s) {
@@ -302,6 +332,8 @@ static void sample_control(Mapper *mapper, Keyboard *keyboard, int control, doub
         mapper->values[control] = *of_keys;
     else if (mapper->drivers[control].kind == MAPPER_RESTING)
         rest(mapper, control, dt_s);
+    else if (mapper->drivers[control].kind == MAPPER_AXIS && mapper->offsets[control] != 0.0)
+        fade(mapper, control, dt_s);
     set_value(mapper, control, mapper->values[control], keyboard);
 }
 

@@ -10,6 +10,7 @@
 #define MAPPER_MOVED 0.04   // of an axis' -1..1: less is noise, and no hand
 #define MAPPER_PICK_UP 0.02 // this near, a lever takes over a control that stays where it is left
 #define MAPPER_CENTRE_S 0.5 // from where a control was when its pad was unplugged to its rest
+#define MAPPER_FADE_S 0.25  // from where a control was when an axis took it over to where the axis has it
 
 typedef enum MapperDriverKind {
     MAPPER_KEYS,    // the keyboard; also: nobody, the control stays
@@ -45,6 +46,8 @@ typedef struct Mapper {
     MapperDriver drivers[PAD_CONTROL_COUNT];
     double values[PAD_CONTROL_COUNT];
     double rest_per_s[PAD_CONTROL_COUNT];   // of those that return to their rest
+    double offsets[PAD_CONTROL_COUNT];      // what is left of where they were when an axis took them over
+    double fade_per_s[PAD_CONTROL_COUNT];   // of the offsets
     double keys[PAD_CONTROL_COUNT];         // what the keyboard was left with
     uint8_t held_before[ACTION_HELD_COUNT]; // by keys and buttons, at the last sample
 } Mapper;
@@ -63,6 +66,8 @@ void mapper_disconnect(Mapper *mapper, int slot, Keyboard *keyboard);
 // once a press, or hold theirs; those that are down in the first report after plugging in (switches) count from when
 // they change. Values that are no numbers are ignored. An axis that does not drive its control takes it over when it
 // was moved; where the control stays where it is left, only once it comes within MAPPER_PICK_UP of it, or crosses it.
+// Other controls do not jump either: they move as the axis moved, and what was between the two before fades evenly
+// within MAPPER_FADE_S.
 void mapper_report(Mapper *mapper, int slot, const PadState *state, Keyboard *keyboard);
 
 // Moves everything on by `dt_s`, the keyboard too, and gives the controls; whatever was touched last drives each. What

@@ -107,7 +107,7 @@ Flight replay_start(const ReplayWorld *world, const Aircraft *aircraft) {
 }
 
 RecordedFlight replay_recorded(const Flight *flight) {
-    return (RecordedFlight){flight, AIRCRAFT_DEFAULT, NULL};
+    return (RecordedFlight){flight, AIRCRAFT_DEFAULT};
 }
 
 static void note(Flown *out, uint32_t step, const FlightState *before, const Flight *flight) {

@@ -1,4 +1,4 @@
-// tests/replay_support.h: flights of the real flight model over real terrain, recorded, and what was flown step by step.
+// tests/replay_support.h: flights of the real flight model over real terrain, recorded, and how each step left them.
 // Steps of FLIGHT_STEP_S; states as flight_state_pack has them.
 // The test owns what it made, and frees it; one thread.
 #pragma once

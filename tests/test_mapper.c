@@ -217,8 +217,31 @@ static void an_axis_is_unknown_until_it_moves(void **state) {
     sample(&desk);
     expect_near("aileron after noise", desk.controls.aileron, 0.0, 0.0);
     put(&desk, 0, X, 0.7 + 1.1 * MAPPER_MOVED);
-    sample(&desk);
+    wait(&desk, MAPPER_FADE_S);
     expect_near("aileron", desk.controls.aileron, stick_value(0.7 + 1.1 * MAPPER_MOVED), 1e-12);
+}
+
+// It moves at once as its stick was moved; the rest of the way it goes evenly.
+static void a_stick_that_lies_elsewhere_takes_over_without_a_jump(void **state) {
+    (void)state;
+    Desk desk;
+    begin(&desk, 0.5);
+    desk.pads[0].axes[X] = 0.8;
+    mapper_disconnect(&desk.mapper, 0, &desk.keyboard);
+    PadInfo info = stick();
+    mapper_connect(&desk.mapper, 0, &info, NULL, NULL);
+    report(&desk, 0);
+    put(&desk, 0, X, 0.9);
+    double moved = stick_value(0.9) - stick_value(0.8), last = 0.0;
+    double each = stick_value(0.8) * STEP_S / MAPPER_FADE_S;
+    for (int i = 1; i <= 30; i++) {
+        sample(&desk);
+        expect_near("aileron", desk.controls.aileron, moved + i * each, 1e-12);
+        expect_near("step", desk.controls.aileron - last, each + (i == 1 ? moved : 0.0), 1e-12);
+        last = desk.controls.aileron;
+    }
+    sample(&desk);
+    expect_near("aileron", desk.controls.aileron, stick_value(0.9), 1e-12);
 }
 
 static void a_report_acts_in_the_next_sample(void **state) {
@@ -361,13 +384,13 @@ static void of_several_pads_the_last_moved_drives(void **state) {
     sample(&desk);
     expect_near("first stick", desk.controls.aileron, stick_value(0.5), 1e-12);
     put(&desk, 3, X, -0.4);
-    sample(&desk);
+    wait(&desk, MAPPER_FADE_S);
     expect_near("second stick", desk.controls.aileron, stick_value(-0.4), 1e-12);
     put(&desk, 0, X, 0.5 + 0.5 * MAPPER_MOVED); // noise of the first
     sample(&desk);
     expect_near("still the second", desk.controls.aileron, stick_value(-0.4), 1e-12);
     put(&desk, 0, X, 0.6);
-    sample(&desk);
+    wait(&desk, MAPPER_FADE_S);
     expect_near("the first again", desk.controls.aileron, stick_value(0.6), 1e-12);
     mapper_disconnect(&desk.mapper, 3, &desk.keyboard);
     wait(&desk, 1.0);
@@ -384,7 +407,7 @@ static void keys_and_sticks_hand_over_as_they_are_touched(void **state) {
     wait(&desk, 1.0);
     expect_near("the key", desk.controls.aileron, -1.0, 0.0);
     put(&desk, 0, X, 0.3); // while the key is still down
-    sample(&desk);
+    wait(&desk, MAPPER_FADE_S);
     expect_near("the stick", desk.controls.aileron, stick_value(0.3), 1e-12);
     wait(&desk, 0.5);
     expect_near("the stick stays", desk.controls.aileron, stick_value(0.3), 1e-12);
@@ -510,8 +533,8 @@ static void a_calibrated_axis_is_centred_and_reaches_its_ends(void **state) {
     desk.pads[0] = told_state();
     report(&desk, 0);
     put(&desk, 0, X, -0.5);
-    sample(&desk);
-    expect_near("aileron", desk.controls.aileron, -1.0, 0.0);
+    wait(&desk, MAPPER_FADE_S); // it did not lie where it rests
+    expect_near("aileron", desk.controls.aileron, -1.0, 1e-12);
 }
 
 // ---- Extremes ----
@@ -595,6 +618,7 @@ int main(void) {
         cmocka_unit_test(a_pad_without_a_profile_flies),
         cmocka_unit_test(the_default_mapping_goes_by_kinds_of_axes),
         cmocka_unit_test(an_axis_is_unknown_until_it_moves),
+        cmocka_unit_test(a_stick_that_lies_elsewhere_takes_over_without_a_jump),
         cmocka_unit_test(a_report_acts_in_the_next_sample),
         cmocka_unit_test(the_throttle_takes_over_softly),
         cmocka_unit_test(a_lever_within_two_hundredths_has_the_throttle),

@@ -141,7 +141,7 @@ static void record_altered(const Fixture *fixture, const char *path, uint32_t al
     assert_int_equal(aircraft_load(AIRCRAFT_DEFAULT, &aircraft), RESULT_OK);
     Flight flight = replay_start(&fixture->world, &aircraft);
     const RecordedFlight recorded = replay_recorded(&flight);
-    flight_recording_header(&fixture->world.world, fixture->world.options, &recorded, &header);
+    flight_recording_header(&fixture->world.world, &recorded, &header);
     assert_int_equal(recording_writer_create(&header, path, flown->states[0], &writer), RESULT_OK);
     for (uint32_t i = 0; i < flown->steps; i++) {
         ControlsCode code = flown->codes[i];
@@ -231,8 +231,8 @@ static void an_aircraft_with_other_figures_is_warned_of(void **state) {
     RecordingWriter *writer;
     assert_int_equal(aircraft_load(AIRCRAFT_DEFAULT, &aircraft), RESULT_OK);
     Flight flight = replay_start(&fixture->world, &aircraft);
-    const RecordedFlight recorded = {&flight, aircraft_path, NULL};
-    flight_recording_header(&fixture->world.world, fixture->world.options, &recorded, &header);
+    const RecordedFlight recorded = {&flight, aircraft_path};
+    flight_recording_header(&fixture->world.world, &recorded, &header);
     assert_int_equal(recording_writer_create(&header, path, fixture->flown.states[0], &writer), RESULT_OK);
     for (uint32_t i = 0; i < 500; i++)
         recording_writer_step(writer, fixture->flown.codes[i], fixture->flown.hashes[i], fixture->flown.states[i + 1]);
@@ -413,7 +413,7 @@ static void record_long(const Fixture *fixture, const char *path, uint32_t steps
     assert_int_equal(aircraft_load(AIRCRAFT_DEFAULT, &aircraft), RESULT_OK);
     Flight flight = replay_start(&fixture->world, &aircraft);
     const RecordedFlight recorded = replay_recorded(&flight);
-    flight_recording_header(&fixture->world.world, fixture->world.options, &recorded, &header);
+    flight_recording_header(&fixture->world.world, &recorded, &header);
     assert_int_equal(recording_writer_create(&header, path, flown->states[0], &writer), RESULT_OK);
     for (uint32_t i = 0; i < steps; i++) {
         uint32_t k = i % RECORDING_KEYFRAME_STEPS;

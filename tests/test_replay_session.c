@@ -228,15 +228,17 @@ static void a_flight_goes_on_exactly_from_any_moment(void **state) {
 
 // What was taken over is recorded as a flight of its own, with the land and the aircraft of the one before.
 static void what_is_flown_after_taking_over_is_recorded(void **state) {
-    const Fixture *fixture = *state;
+    Fixture *fixture = *state;
     char path[128];
     replay_path("taken", path);
     Shown *shown = show(fixture);
     FlightSession *session = &shown->session;
     FlightRecorder *recorder;
-    const RecordedFlight recorded = {&session->flight, session->aircraft_name, "a scene|of two"};
+    const RecordedFlight recorded = {&session->flight, session->aircraft_name};
     set_option(shown->options, OPTION_RECORD, path);
+    snprintf(fixture->world.world.names, sizeof fixture->world.world.names, "a scene|of two"); // as if so named
     assert_int_equal(recorder_create(&fixture->world.world, shown->options, &recorded, &recorder), RESULT_OK);
+    fixture->world.world.names[0] = '\0';
     session->recorder = recorder;
     session_advance(session, 20.0);
     press(shown, KEY_ENTER);
@@ -273,7 +275,7 @@ static void begin_recorded(const Fixture *fixture, FlightSession *session, const
                            FlightRecorder **recorder) {
     set_option(fixture->world.options, OPTION_RECORD, path);
     assert_int_equal(session_create(&fixture->world.world, fixture->world.options, session), RESULT_OK);
-    const RecordedFlight recorded = {&session->flight, session->aircraft_name, NULL};
+    const RecordedFlight recorded = {&session->flight, session->aircraft_name};
     assert_int_equal(recorder_create(&fixture->world.world, fixture->world.options, &recorded, recorder), RESULT_OK);
     session->recorder = *recorder;
 }

@@ -48,6 +48,7 @@ typedef struct Now {
     double p, q, r;                         // rad/s
     double roll_each, pitch_each, yaw_each; // rad/s^2 of full controls
     double roll_damping;                    // 1/s, < 0
+    double pitch_steady;                    // share of the elevator that a steady rad/s of pitch takes
     double yaw_stiffness;                   // rad/s^2 for each radian of sideslip
     double stall_speed, full_thrust, drag;  // of the flight as it is
 } Now;
@@ -65,6 +66,10 @@ static Now look(const Flight *flight) {
     now.pitch_each = pressure * a->chord * -a->cm_elevator * a->elevator_rad / a->iyy;
     now.yaw_each = pressure * a->span * -a->cn_rudder * a->rudder_rad / a->izz;
     now.roll_damping = 0.5 * flow * a->span * a->span * a->cr_p / a->ixx;
+    // Against damping, and against the stability that the load's angle of attack calls forth.
+    double angle = now.speed * a->mass / (pressure * a->cl_alpha);
+    double moment = 0.5 * flow * a->chord * a->chord * a->cm_q + pressure * a->chord * a->cm_alpha * angle;
+    now.pitch_steady = -moment / (a->iyy * fmax(now.pitch_each, 1.0));
     now.yaw_stiffness = pressure * a->span * a->cn_beta / a->izz;
     now.stall_speed = airframe_stall_speed(a, air.density, flight->state.flaps);
     double engine = propulsion_steady(a, &air, now.speed, 1.0);
@@ -100,10 +105,10 @@ static double hold_pitch_rate(Autopilot *autopilot, const Flight *flight, const 
     double stall = a->stall_rad + flight->state.flaps * (a->stall_flaps_rad - a->stall_rad);
     double path_rate = GRAVITY / now->speed * (now->at.load_factor - level_load(now));
     double most = ALPHA_RATE * (STALL_SHARE * stall - now->at.alpha_rad) + path_rate;
-    double off = fmin(wanted, fmax(most, -1.0)) - now->q;
+    double rate = fmin(wanted, fmax(most, -1.0)), off = rate - now->q;
     double each = fmax(now->pitch_each, 1.0);
     autopilot->elevator = clamp(autopilot->elevator + PITCH_RATE * PITCH_INTEGRAL * off / each * dt_s, -1.0, 1.0);
-    return clamp(autopilot->elevator + PITCH_RATE * off / each, -1.0, 1.0);
+    return clamp(autopilot->elevator + now->pitch_steady * rate + PITCH_RATE * off / each, -1.0, 1.0);
 }
 
 // Elevator for a path: its rate asks for load, load for a rate of pitch.

@@ -40,17 +40,6 @@ uint64_t flight_recording_aircraft_hash(const Aircraft *aircraft) {
     return (hash ^ (uint64_t)aircraft->engine) * UINT64_C(1099511628211);
 }
 
-// The words of the command line that name it; none of them: the default scene.
-static void set_scene(RecordingHeader *header, const Options *options, const char *shown) {
-    char names[RECORDING_VALUE_BYTES] = "";
-    size_t length = 0;
-    int first = world_first_name(options), count = options_positional_count(options);
-    for (int i = first; i < count && length < sizeof names; i++)
-        length += (size_t)snprintf(names + length, sizeof names - length, "%s%s", i > first ? "|" : "",
-                                   options_positionals(options)[i]);
-    recording_header_set(header, RECORDING_SCENE, "%s", count > first || !shown ? names : shown);
-}
-
 static void set_time(RecordingHeader *header) {
     char when[NAME_BYTES];
     time_t now = time(NULL);
@@ -59,13 +48,12 @@ static void set_time(RecordingHeader *header) {
         recording_header_set(header, RECORDING_START_UTC, "%s", when);
 }
 
-void flight_recording_header(const World *world, const Options *options, const RecordedFlight *flown,
-                             RecordingHeader *out) {
+void flight_recording_header(const World *world, const RecordedFlight *flown, RecordingHeader *out) {
     const Dem *dem = terrain_dem(world->terrain);
     const Flight *flight = flown->flight;
     *out = recording_header_create(FLIGHT_STATE_BYTES, FLIGHT_STATE_LAYOUT);
     recording_header_set(out, RECORDING_PROGRAM, "overfly %s", version_text());
-    set_scene(out, options, flown->scene);
+    recording_header_set(out, RECORDING_SCENE, "%s", world->names);
     set_time(out);
     recording_header_set(out, RECORDING_DEM, "%s", dem->file);
     recording_header_set(out, RECORDING_DEM_HASH, "%016llx", (unsigned long long)dem_hash(dem));
@@ -96,7 +84,7 @@ Result recorder_create(const World *world, const Options *options, const Recorde
     }
     if (path)
         snprintf(recorder->path, sizeof recorder->path, "%s", path);
-    flight_recording_header(world, options, flown, &header);
+    flight_recording_header(world, flown, &header);
     flight_state_pack(&flown->flight->state, state);
     Result result = recording_writer_create(&header, path, state, &recorder->writer);
     if (result == RESULT_OK)

@@ -21,12 +21,10 @@ typedef struct FlightRecorder FlightRecorder;
 typedef struct RecordedFlight {
     const Flight *flight;
     const char *aircraft; // what aircraft_load finds it by
-    const char *scene;    // RECORDING_SCENE of the recording that is shown until someone takes over; NULL: none
 } RecordedFlight;
 
-// What a replay needs to know of where and what is flown. The land is what the command line names, else `scene`.
-void flight_recording_header(const World *world, const Options *options, const RecordedFlight *flown,
-                             RecordingHeader *out);
+// What a replay needs to know of where and what is flown.
+void flight_recording_header(const World *world, const RecordedFlight *flown, RecordingHeader *out);
 
 uint64_t flight_recording_aircraft_hash(const Aircraft *aircraft);
 // The wind that a recording was flown in; none where it says nothing.

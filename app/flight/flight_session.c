@@ -156,6 +156,19 @@ static Controls held_controls(FlightSession *session, const Controls *pilot) {
     return held;
 }
 
+static void move_flaps(FlightSession *session, bool down) {
+    char message[PIPELINE_MESSAGE_BYTES];
+    keyboard_move_flaps(&session->keyboard, down);
+    snprintf(message, sizeof message, "flaps %.0f %%", 100.0 * session->keyboard.controls.flaps);
+    session_say(session, session->aircraft.flaps_s > 0.0 ? message : "this aircraft has no flaps");
+}
+
+static void set_gear(FlightSession *session, bool up) {
+    keyboard_set_gear(&session->keyboard, up);
+    bool fixed = session->aircraft.gear_s <= 0.0;
+    session_say(session, fixed ? "the gear is fixed" : up ? "gear up" : "gear down");
+}
+
 static void act(FlightSession *session, Action action) {
     char message[PIPELINE_MESSAGE_BYTES];
     switch (action) {
@@ -181,13 +194,13 @@ static void act(FlightSession *session, Action action) {
     case ACTION_RESET:
         session_reset(session);
         return;
-    case ACTION_FLAPS_UP:
     case ACTION_FLAPS_DOWN:
-        keyboard_move_flaps(&session->keyboard, action == ACTION_FLAPS_DOWN);
+    case ACTION_FLAPS_UP:
+        move_flaps(session, action == ACTION_FLAPS_DOWN);
         return;
     case ACTION_GEAR_UP:
     case ACTION_GEAR_DOWN:
-        keyboard_set_gear(&session->keyboard, action == ACTION_GEAR_UP);
+        set_gear(session, action == ACTION_GEAR_UP);
         return;
     default:
         if (flight_settings_apply(&session->settings, action, message, sizeof message) && message[0])
@@ -237,21 +250,37 @@ static void end_demo(FlightSession *session) {
         take_over(session, "the demo is over: you have control");
 }
 
+// A pad that lies there while the demo flies is left alone.
+static void shake_pads(FlightSession *session, const FlightState *before) {
+    double dt_s = FLIGHT_STEP_S / flight_clock_rate(&session->settings.clock);
+    FeelRumble rumble = feel_step(&session->feel, before, &session->flight, dt_s);
+    if (session->pilot && !session->demo_flies && rumble.seconds > 0.0)
+        pilot_rumble(session->pilot, rumble.low, rumble.high, rumble.seconds);
+}
+
+// A stick is the pilot's own; keys get help, anew after each change.
+static bool wants_help(const FlightSession *session) {
+    return session->assist && !(session->pilot && pilot_drives_stick(session->pilot));
+}
+
 static void step(FlightSession *session) {
     Controls controls = sample_keyboard(session);
     if (session->demo_flies)
         controls = demo_fly(&session->demo, &session->flight, FLIGHT_STEP_S);
     else if (session->holds)
         controls = held_controls(session, &controls);
-    else if (session->assist)
+    else if (wants_help(session))
         controls = autopilot_assist(&session->help, &session->flight, &controls, FLIGHT_STEP_S);
-    FlightContact before = session->flight.state.contact;
+    else
+        session->help = (Autopilot){.engaged = false};
+    const FlightState before = session->flight.state;
     if (session->recorder)
         recorder_fly(session->recorder, &session->flight, &controls);
     else
         flight_step(&session->flight, &controls, FLIGHT_STEP_S);
-    session->crashes += before != FLIGHT_CRASHED && session->flight.state.contact == FLIGHT_CRASHED;
-    if (before == FLIGHT_CRASHED && session->flight.state.contact != FLIGHT_CRASHED)
+    shake_pads(session, &before);
+    session->crashes += before.contact != FLIGHT_CRASHED && session->flight.state.contact == FLIGHT_CRASHED;
+    if (before.contact == FLIGHT_CRASHED && session->flight.state.contact != FLIGHT_CRASHED)
         begin_again(session);
     if (session->demo_flies && demo_is_over(&session->demo))
         end_demo(session);

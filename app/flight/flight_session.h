@@ -3,6 +3,7 @@
 // and points into itself: it is not copied. One thread.
 #pragma once
 #include "app/flight/demo.h"
+#include "app/flight/feel.h"
 #include "app/flight/flight_model.h"
 #include "app/flight/flight_recorder.h"
 #include "app/flight/flight_settings.h"
@@ -37,6 +38,7 @@ typedef struct FlightSession {
     CameraRig rig;
     Keyboard keyboard;
     Pilot *pilot;             // borrowed; NULL: the keyboard alone
+    Feel feel;                // of the pilot's hands
     int64_t now_ns;           // until when session_advance flies, as base/clock.h counts; 0: not by a clock
     FlightRecorder *recorder; // borrowed; NULL: nothing is recorded
     Demo demo;

@@ -136,9 +136,7 @@ static Result start_session(Fly *fly) {
     fly->session->pilot = fly->pilot;
     if (result == RESULT_OK && fly->track)
         result = start_replay(fly);
-    const RecordingHeader *shown = fly->playback ? playback_header(fly->playback) : NULL;
-    const RecordedFlight flown = {&fly->session->flight, fly->session->aircraft_name,
-                                  shown ? shown->environment[RECORDING_SCENE] : NULL};
+    const RecordedFlight flown = {&fly->session->flight, fly->session->aircraft_name};
     if (result == RESULT_OK)
         result = recorder_create(&fly->world, fly->options, &flown, &fly->recorder);
     fly->session->recorder = fly->recorder;

@@ -136,6 +136,11 @@ Controls pilot_sample(Pilot *pilot, Keyboard *keyboard, double dt_s) {
     return mapper_sample(&pilot->mapper, keyboard, dt_s);
 }
 
+bool pilot_drives_stick(const Pilot *pilot) {
+    const MapperDriver *drivers = pilot->mapper.drivers;
+    return drivers[PAD_CONTROL_AILERON].kind == MAPPER_AXIS || drivers[PAD_CONTROL_ELEVATOR].kind == MAPPER_AXIS;
+}
+
 bool pilot_was_touched(Pilot *pilot) {
     bool touched = pilot->touched;
     pilot->touched = false;
