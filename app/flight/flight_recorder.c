@@ -40,17 +40,6 @@ uint64_t flight_recording_aircraft_hash(const Aircraft *aircraft) {
     return (hash ^ (uint64_t)aircraft->engine) * UINT64_C(1099511628211);
 }
 
-// By the name that it is found again by: of an aircraft file, its path.
-static void set_aircraft(RecordingHeader *header, const Options *options, const Aircraft *aircraft,
-                         const RecordingHeader *shown) {
-    recording_header_set(header, RECORDING_AIRCRAFT, "%s",
-                         shown                                        ? shown->environment[RECORDING_AIRCRAFT]
-                         : options_is_given(options, OPTION_AIRCRAFT) ? options_text(options, OPTION_AIRCRAFT)
-                                                                      : aircraft->id);
-    recording_header_set(header, RECORDING_AIRCRAFT_HASH, "%016llx",
-                         (unsigned long long)flight_recording_aircraft_hash(aircraft));
-}
-
 static void set_time(RecordingHeader *header) {
     char when[NAME_BYTES];
     time_t now = time(NULL);
@@ -59,16 +48,18 @@ static void set_time(RecordingHeader *header) {
         recording_header_set(header, RECORDING_START_UTC, "%s", when);
 }
 
-void flight_recording_header(const World *world, const Options *options, const Flight *flight,
-                             const RecordingHeader *shown, RecordingHeader *out) {
+void flight_recording_header(const World *world, const RecordedFlight *flown, RecordingHeader *out) {
     const Dem *dem = terrain_dem(world->terrain);
+    const Flight *flight = flown->flight;
     *out = recording_header_create(FLIGHT_STATE_BYTES, FLIGHT_STATE_LAYOUT);
     recording_header_set(out, RECORDING_PROGRAM, "overfly %s", version_text());
     recording_header_set(out, RECORDING_SCENE, "%s", world->names);
     set_time(out);
     recording_header_set(out, RECORDING_DEM, "%s", dem->file);
     recording_header_set(out, RECORDING_DEM_HASH, "%016llx", (unsigned long long)dem_hash(dem));
-    set_aircraft(out, options, flight->aircraft, shown);
+    recording_header_set(out, RECORDING_AIRCRAFT, "%s", flown->aircraft);
+    recording_header_set(out, RECORDING_AIRCRAFT_HASH, "%016llx",
+                         (unsigned long long)flight_recording_aircraft_hash(flight->aircraft));
     recording_header_set(out, RECORDING_WEATHER, "wind %.17g %.17g %.17g m/s ECEF", flight->wind_ecef.x,
                          flight->wind_ecef.y, flight->wind_ecef.z);
 }
@@ -82,8 +73,7 @@ void flight_recording_weather(const RecordingHeader *header, Flight *flight) {
 
 // ---- recording ----
 
-Result recorder_create(const World *world, const Options *options, const Flight *flight, const RecordingHeader *shown,
-                       FlightRecorder **out) {
+Result recorder_create(const World *world, const Options *options, const RecordedFlight *flown, FlightRecorder **out) {
     const char *path = options_text(options, OPTION_RECORD);
     uint8_t state[FLIGHT_STATE_BYTES];
     RecordingHeader header;
@@ -94,8 +84,8 @@ Result recorder_create(const World *world, const Options *options, const Flight 
     }
     if (path)
         snprintf(recorder->path, sizeof recorder->path, "%s", path);
-    flight_recording_header(world, options, flight, shown, &header);
-    flight_state_pack(&flight->state, state);
+    flight_recording_header(world, flown, &header);
+    flight_state_pack(&flown->flight->state, state);
     Result result = recording_writer_create(&header, path, state, &recorder->writer);
     if (result == RESULT_OK)
         *out = recorder;

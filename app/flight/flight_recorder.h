@@ -17,18 +17,22 @@
 
 typedef struct FlightRecorder FlightRecorder;
 
-// What a replay needs to know of where and what is flown. `shown`: the recording that is shown until someone takes
-// over, whose land (where the command line names no other) and aircraft are flown then; NULL: none.
-void flight_recording_header(const World *world, const Options *options, const Flight *flight,
-                             const RecordingHeader *shown, RecordingHeader *out);
+// What is flown.
+typedef struct RecordedFlight {
+    const Flight *flight;
+    const char *aircraft; // what aircraft_load finds it by
+} RecordedFlight;
+
+// What a replay needs to know of where and what is flown.
+void flight_recording_header(const World *world, const RecordedFlight *flown, RecordingHeader *out);
 
 uint64_t flight_recording_aircraft_hash(const Aircraft *aircraft);
 // The wind that a recording was flown in; none where it says nothing.
 void flight_recording_weather(const RecordingHeader *header, Flight *flight);
 
-// --record: the file; else memory only. `shown`: as above. Errors of recording_writer_create.
-MUST_USE Result recorder_create(const World *world, const Options *options, const Flight *flight,
-                                const RecordingHeader *shown, FlightRecorder **out);
+// --record: the file; else memory only. Borrows nothing afterwards. Errors of recording_writer_create.
+MUST_USE Result recorder_create(const World *world, const Options *options, const RecordedFlight *flown,
+                                FlightRecorder **out);
 // Finishes the file. IO: not all of the flight is in it; logged.
 MUST_USE Result recorder_close(FlightRecorder **recorder);
 

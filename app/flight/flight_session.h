@@ -25,7 +25,8 @@ typedef struct FlightSession {
     int64_t frames_judged; // that the governor was told of
     GovernorNotice slow_notice;
     Aircraft aircraft;
-    Flight flight; // borrows the aircraft: the session stays where it is
+    const char *aircraft_name; // what aircraft_load finds it by; borrowed
+    Flight flight;             // borrows the aircraft: the session stays where it is
     FlightState begin;
     bool assist; // of the keys
     bool holds;  // the autopilot flies, as wished

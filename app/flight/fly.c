@@ -137,9 +137,9 @@ static Result start_session(Fly *fly) {
     fly->session->pilot = fly->pilot;
     if (result == RESULT_OK && fly->track)
         result = start_replay(fly);
+    const RecordedFlight flown = {&fly->session->flight, fly->session->aircraft_name};
     if (result == RESULT_OK)
-        result = recorder_create(&fly->world, fly->options, &fly->session->flight,
-                                 fly->playback ? playback_header(fly->playback) : NULL, &fly->recorder);
+        result = recorder_create(&fly->world, fly->options, &flown, &fly->recorder);
     fly->session->recorder = fly->recorder;
     if (result == RESULT_OK && options_text(fly->options, OPTION_TELEMETRY))
         result = telemetry_create(options_text(fly->options, OPTION_TELEMETRY), &fly->telemetry);

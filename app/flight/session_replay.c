@@ -32,8 +32,10 @@ static Result find_start(FlightSession *session, const Options *options) {
 
 Result session_begin_replay(FlightSession *session, Playback *playback, const Options *options) {
     session->playback = playback;
-    if (playback_aircraft(playback))
+    if (playback_aircraft(playback)) {
         session->aircraft = *playback_aircraft(playback);
+        session->aircraft_name = playback_header(playback)->environment[RECORDING_AIRCRAFT];
+    }
     session->flight.wind_ecef = playback_wind(playback);
     session->demo_flies = false;
     session->timeline = timeline_create(playback_duration_s(playback));

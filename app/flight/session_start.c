@@ -107,6 +107,7 @@ static Result take_from_demo(const Options *options, FlightSession *session, Vie
 static Result load_aircraft(const Options *options, FlightSession *session) {
     bool of_demo = session->demo.aircraft[0] && !options_is_given(options, OPTION_AIRCRAFT);
     const char *name = of_demo ? session->demo.aircraft : options_text(options, OPTION_AIRCRAFT);
+    session->aircraft_name = name;
     return aircraft_load(name, &session->aircraft);
 }
 
