@@ -174,7 +174,10 @@
       "when the flight began, as 2024-06-01T12:00:00Z, instead of what the file says")                                 \
                                                                                                                        \
     X(WATCH, "watch", 'w', FLAG, NULL, "false", 0, 0, NULL, COMMAND_DEVICES, "show live values until Ctrl-C")          \
-    X(WATCH_SECONDS, "seconds", 0, NUMBER, "S", NULL, 0.1, 86400, NULL, COMMAND_DEVICES, "watch, for so long")         \
+    X(CALIBRATE, "calibrate", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_DEVICES,                                     \
+      "learn where sticks and levers rest and end, and keep it")                                                       \
+    X(WATCH_SECONDS, "seconds", 0, NUMBER, "S", NULL, 0.1, 86400, NULL, COMMAND_DEVICES,                               \
+      "watch for so long; calibrate for so long at most (default 60)")                                                 \
                                                                                                                        \
     X(CULL, "cull", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_MESH, "only what the view frustum holds")
 // clang-format on

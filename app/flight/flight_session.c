@@ -288,12 +288,18 @@ static void step(FlightSession *session) {
         end_demo(session);
 }
 
+static void act_on_presses(FlightSession *session) {
+    for (Action action; (action = keyboard_next_action(&session->keyboard)) != ACTION_NONE;)
+        act(session, action);
+}
+
 static void fly_steps(FlightSession *session, double passed_s) {
     int steps = flight_clock_steps(&session->settings.clock, passed_s, FLIGHT_STEP_S);
     double step_ns = FLIGHT_STEP_S / flight_clock_rate(&session->settings.clock) * 1e9;
     double end_ns = (double)session->now_ns - session->settings.clock.owed_s * 1e9;
     for (int i = 0; i < steps; i++) {
         hear_pads(session, session->now_ns ? (int64_t)(end_ns - (steps - i) * step_ns) : PILOT_EVERYTHING);
+        act_on_presses(session);
         step(session);
     }
 }
@@ -313,8 +319,7 @@ void session_advance(FlightSession *session, double passed_s) {
         pilot_poll(session->pilot);
     if (session->playback || session->settings.clock.paused)
         hear_pads(session, PILOT_EVERYTHING);
-    for (Action action; (action = keyboard_next_action(&session->keyboard)) != ACTION_NONE;)
-        act(session, action);
+    act_on_presses(session);
     if (session->playback)
         session_replay_advance(session, passed_s);
     else
