@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 import tempfile
+import time
 
 DEM = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "assets/data/dem/jacksboro_fault.tif")
 
@@ -71,6 +72,7 @@ class Cli:
 
 def passes(case, cli):
     """Runs a case and prints what came of it, as tools/test_summary reads it; a skip is no fault."""
+    begin_s = time.monotonic()
     try:
         case(cli)
     except Skip as skip:
@@ -79,7 +81,7 @@ def passes(case, cli):
         print(f"{type(fault).__name__}: {fault}\n[  FAILED  ] {case.__name__}", flush=True)
         return False
     else:
-        print(f"[       OK ] {case.__name__}", flush=True)
+        print(f"{time.monotonic() - begin_s:.1f} s\n[       OK ] {case.__name__}", flush=True)
     return True
 
 

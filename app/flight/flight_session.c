@@ -78,12 +78,33 @@ static void take_over(FlightSession *session, const char *why) {
     session_say(session, why);
 }
 
+// ---- the autopilot ----
+
+static void hold_or_not(FlightSession *session) {
+    FlightInstruments now = flight_instruments(&session->flight);
+    session->holds = !session->holds;
+    session->hold = session->help = (Autopilot){.engaged = false};
+    session->wish = (AutopilotWish){.height_m = now.h_m, .heading_rad = now.heading_rad, .speed_m_s = now.speed_m_s};
+    session_say(session, session->holds ? "autopilot: this height, heading and speed" : "autopilot off");
+}
+
+static void end_hold(FlightSession *session) {
+    if (!session->holds)
+        return;
+    session->holds = false;
+    session->keyboard.controls.trim = session->flight.state.elevator;
+    session_say(session, "autopilot off: you have control");
+}
+
 void session_on_key(FlightSession *session, int key, bool pressed, bool shift) {
     if (session->playback && pressed && session_replay_key(session, key))
         return;
     keyboard_on_key(&session->keyboard, key, pressed, shift);
-    if (session->demo_flies && session->settings.view != CAMERA_FREE && keyboard_touches_controls(&session->keyboard))
+    if (session->settings.view == CAMERA_FREE || !keyboard_touches_controls(&session->keyboard))
+        return;
+    if (session->demo_flies)
         take_over(session, "you have control");
+    end_hold(session);
 }
 
 void session_on_repeat(FlightSession *session, int key) {
@@ -128,24 +149,9 @@ static void watch_kiosk(FlightSession *session, double passed_s) {
         restart_demo(session);
 }
 
-// ---- the autopilot ----
+// ---- the autopilot, held ----
 
-static void hold_or_not(FlightSession *session) {
-    FlightInstruments now = flight_instruments(&session->flight);
-    session->holds = !session->holds;
-    session->hold = session->help = (Autopilot){.engaged = false};
-    session->wish = (AutopilotWish){.height_m = now.h_m, .heading_rad = now.heading_rad, .speed_m_s = now.speed_m_s};
-    session_say(session, session->holds ? "autopilot: this height, heading and speed" : "autopilot off");
-}
-
-static void end_hold(FlightSession *session) {
-    if (!session->holds)
-        return;
-    session->holds = false;
-    session_say(session, "autopilot off: you have control");
-}
-
-// What the autopilot does not move is the pilot's.
+// What it does not move is the pilot's.
 static Controls held_controls(FlightSession *session, const Controls *pilot) {
     Controls held = autopilot_hold(&session->hold, &session->flight, &session->wish, FLIGHT_STEP_S);
     held.flaps = pilot->flaps;

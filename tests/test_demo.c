@@ -1,0 +1,211 @@
+// Demonstrations: their files, the ones that come along flown to their end, and a stand that begins again.
+#include "app/flight/demo_list.h"
+#include "app/flight/flight_session.h"
+#include "config/options.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#define FRAME_S (1.0 / 60.0)
+#define FLIGHT_S_MOST 1200.0
+static const char PATH[] = "demo_test.demo";
+
+typedef struct Stand {
+    Options *options;
+    World world;
+    FlightSession session;
+} Stand;
+
+static Stand *begin(const char *name, bool kiosk) {
+    Stand *stand = calloc(1, sizeof *stand);
+    char words[3][16] = {"demo", "", "--kiosk"};
+    snprintf(words[1], sizeof words[1], "%s", name);
+    char *argv[] = {words[0], words[1], words[2]};
+    assert_non_null(stand);
+    assert_int_equal(options_create(COMMAND_DEMO, &stand->options), RESULT_OK);
+    assert_int_equal(options_read_arguments(stand->options, kiosk ? 2 : 1, argv + 1), RESULT_OK);
+    assert_int_equal(world_load(stand->options, &stand->world), RESULT_OK);
+    assert_int_equal(session_create(&stand->world, stand->options, &stand->session), RESULT_OK);
+    return stand;
+}
+
+static void end(Stand *stand) {
+    session_end(&stand->session);
+    world_unload(&stand->world);
+    options_destroy(&stand->options);
+    free(stand);
+}
+
+static Result read_text(const char *text, Demo *out) {
+    FILE *file = fopen(PATH, "w");
+    assert_non_null(file);
+    fputs(text, file);
+    fclose(file);
+    Result result = demo_read_title(PATH, out->title);
+    unlink(PATH);
+    return result;
+}
+
+static void a_file_tells_its_title_and_where_it_is_wrong(void **state) {
+    (void)state;
+    static const char *const BAD[] = {"to\n",
+                                      "to 36,-84,900m\n",
+                                      "to 36,-84,900m 5m/s\n",
+                                      "to 36,-84,900m 100m/s more\n",
+                                      "to 96,-84,900m 100m/s\n",
+                                      "from 36,-84,900m 100m/s\n",
+                                      "clearance 1m\n",
+                                      "title\n",
+                                      "view\n",
+                                      "stick\n",
+                                      "fly 36,-84,900m 100m/s\n"};
+    Demo *demo = calloc(1, sizeof *demo);
+    assert_non_null(demo);
+    assert_int_equal(read_text("# a comment\n title  Over the hills # and far away\nto 36,-84,900m 100m/s\n", demo),
+                     RESULT_OK);
+    assert_string_equal(demo->title, "Over the hills");
+    for (size_t i = 0; i < COUNT_OF(BAD); i++)
+        if (read_text(BAD[i], demo) != RESULT_FORMAT)
+            fail_msg("'%s' was taken", BAD[i]);
+    free(demo);
+}
+
+static void three_demos_come_along_with_titles(void **state) {
+    (void)state;
+    DemoList list;
+    char path[PATHS_BYTES_MAX];
+    assert_int_equal(demo_list(&list), RESULT_OK);
+    assert_true(list.count >= 3);
+    for (int i = 0; i < list.count; i++) {
+        assert_true(strlen(list.entries[i].title) > 10);
+        assert_int_equal(demo_find(list.entries[i].name, path), RESULT_OK);
+        assert_true(i == 0 || strcmp(list.entries[i - 1].name, list.entries[i].name) < 0);
+    }
+    assert_int_equal(demo_find("rond", path), RESULT_NOT_FOUND);
+}
+
+// To its end, and never into the ground.
+static void check_flown(const char *name, double lowest_least_m) {
+    Stand *stand = begin(name, false);
+    FlightSession *session = &stand->session;
+    double passed_s = 0.0, lowest_m = INFINITY;
+    assert_true(session->demo_flies);
+    for (; session->demo_flies && passed_s < FLIGHT_S_MOST; passed_s += FRAME_S) {
+        session_advance(session, FRAME_S);
+        lowest_m = fmin(lowest_m, flight_instruments(&session->flight).above_ground_m);
+    }
+    print_message("%s: %.0f s, never below %.0f m; %d crashes\n", name, passed_s, lowest_m, session->crashes);
+    assert_false(session->demo_flies);
+    assert_int_equal(session->crashes, 0);
+    assert_true(lowest_m > lowest_least_m);
+    end(stand);
+}
+
+static void demos_are_flown_to_their_end(void **state) {
+    (void)state;
+    check_flown("round", 60.0);
+    check_flown("ridge", 30.0);
+    check_flown("stick", 400.0);
+}
+
+// Nothing but the reports flies: a loop and a roll are in them.
+static void the_sticks_reports_turn_the_aircraft_over(void **state) {
+    (void)state;
+    Stand *stand = begin("stick", false);
+    FlightSession *session = &stand->session;
+    double rolled_rad = 0.0, pitched_rad = 0.0, load_most = 0.0;
+    while (session->demo_flies) {
+        session_advance(session, FRAME_S);
+        FlightInstruments now = flight_instruments(&session->flight);
+        rolled_rad += fmax(session->flight.state.rate_body.x, 0.0) * FRAME_S;
+        pitched_rad += fmax(session->flight.state.rate_body.y, 0.0) * FRAME_S;
+        load_most = fmax(load_most, now.load_factor);
+    }
+    print_message("rolled right by %.1f rad, pitched up by %.1f rad, at most %.1f g\n", rolled_rad, pitched_rad,
+                  load_most);
+    assert_true(rolled_rad > 6.28 && pitched_rad > 6.28 && load_most > 3.0 && load_most < 6.0);
+    assert_string_equal(session->aircraft.id, "t37");
+    assert_int_equal(session->settings.view, CAMERA_CHASE);
+    end(stand);
+}
+
+static void pass(FlightSession *session, double seconds) {
+    for (double passed_s = 0.0; passed_s < seconds; passed_s += FRAME_S)
+        session_advance(session, FRAME_S);
+}
+
+static void press(FlightSession *session, int key) {
+    session_on_key(session, key, true, false);
+    session_advance(session, FRAME_S);
+    session_on_key(session, key, false, false);
+}
+
+static void a_stand_begins_again_when_nobody_steers(void **state) {
+    (void)state;
+    Stand *stand = begin("stick", true);
+    FlightSession *session = &stand->session;
+    const FlightState first = session->flight.state;
+    pass(session, 5.0);
+    assert_true(session->demo_flies);
+    press(session, KEY_RIGHT);
+    assert_false(session->demo_flies); // somebody has taken the controls
+    pass(session, 30.0);
+    press(session, KEY_LEFT); // and is still there
+    pass(session, 30.0);
+    assert_false(session->demo_flies);
+    pass(session, 16.0);
+    assert_true(session->demo_flies);
+    pass(session, 3.0);
+    press(session, KEY_ESCAPE); // leaves nothing: the next visitor wants to see something
+    assert_false(session->leave_wanted);
+    assert_true(session->demo_flies);
+    assert_true(vec3d_length(vec3d_sub(session->flight.state.position_ecef, first.position_ecef)) < 10.0);
+    // Flown to its end it begins again, as it began.
+    pass(session, stick_stream_duration_s(session->demo.stick) + 2.0);
+    assert_true(session->demo_flies);
+    assert_true(vec3d_length(vec3d_sub(session->flight.state.position_ecef, first.position_ecef)) < 1000.0);
+    end(stand);
+}
+
+static void the_autopilot_holds_until_somebody_steers(void **state) {
+    (void)state;
+    Stand *stand = begin("round", false);
+    FlightSession *session = &stand->session;
+    press(session, KEY_UP); // takes over
+    assert_false(session->demo_flies);
+    pass(session, 2.0);
+    press(session, 'O');
+    assert_true(session->holds);
+    FlightInstruments before = flight_instruments(&session->flight);
+    pass(session, 60.0);
+    FlightInstruments now = flight_instruments(&session->flight);
+    print_message("after a minute: %.1f m higher, %.2f degrees off, %.2f m/s faster\n", now.h_m - before.h_m,
+                  (now.heading_rad - before.heading_rad) * 57.3, now.speed_m_s - before.speed_m_s);
+    assert_true(session->holds && fabs(now.h_m - before.h_m) < 10.0 && fabs(now.speed_m_s - before.speed_m_s) < 2.0);
+    assert_true(fabs(remainder(now.heading_rad - before.heading_rad, 6.283185307179586)) < 0.02);
+    press(session, KEY_LEFT);
+    pass(session, 0.5);
+    assert_false(session->holds);
+    end(stand);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_file_tells_its_title_and_where_it_is_wrong),
+        cmocka_unit_test(three_demos_come_along_with_titles),
+        cmocka_unit_test(demos_are_flown_to_their_end),
+        cmocka_unit_test(the_sticks_reports_turn_the_aircraft_over),
+        cmocka_unit_test(a_stand_begins_again_when_nobody_steers),
+        cmocka_unit_test(the_autopilot_holds_until_somebody_steers),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
