@@ -103,6 +103,8 @@
       "leave after N frames, or measure so many; 0: when told to, or a measurement's own number")                      \
     X(LOCKSTEP, "lockstep", 0, FLAG, NULL, "false", 0, 0, NULL, COMMANDS_FLIGHT,                                       \
       "stages one after another, 1/60 s a frame: the same pictures each time")                                         \
+    X(TELEMETRY, "telemetry", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMANDS_FLIGHT,                                      \
+      "a line of CSV ten times a second of flight, for scripts; -: on stdout")                                         \
     X(RECORD, "record", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMANDS_FLIGHT,                                            \
       "record the flight as it goes (.ofr); without: the last ten minutes are kept, and F5 saves them")                \
     X(JOYSTICK, "joystick", 0, FLAG, NULL, "true", 0, 0, NULL, COMMANDS_FLIGHT, "look for sticks and gamepads")        \
@@ -172,7 +174,10 @@
       "when the flight began, as 2024-06-01T12:00:00Z, instead of what the file says")                                 \
                                                                                                                        \
     X(WATCH, "watch", 'w', FLAG, NULL, "false", 0, 0, NULL, COMMAND_DEVICES, "show live values until Ctrl-C")          \
-    X(WATCH_SECONDS, "seconds", 0, NUMBER, "S", NULL, 0.1, 86400, NULL, COMMAND_DEVICES, "watch, for so long")         \
+    X(CALIBRATE, "calibrate", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_DEVICES,                                     \
+      "learn where sticks and levers rest and end, and keep it")                                                       \
+    X(WATCH_SECONDS, "seconds", 0, NUMBER, "S", NULL, 0.1, 86400, NULL, COMMAND_DEVICES,                               \
+      "watch for so long; calibrate for so long at most (default 60)")                                                 \
                                                                                                                        \
     X(CULL, "cull", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_MESH, "only what the view frustum holds")
 // clang-format on

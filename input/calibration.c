@@ -17,10 +17,13 @@ PadCalibration calibration_begin(const PadState *at_rest) {
 void calibration_learn(PadCalibration *calibration, const PadState *state) {
     for (int i = 0; i < PAD_AXES_MAX; i++) {
         AxisCalibration *axis = &calibration->axes[i];
-        if (!axis->known || !is_told(state, i))
+        double value = state->axes[i];
+        if (!is_told(state, i))
             continue;
-        axis->min = fmin(axis->min, state->axes[i]);
-        axis->max = fmax(axis->max, state->axes[i]);
+        if (!axis->known)
+            *axis = (AxisCalibration){true, value, value, value};
+        axis->min = fmin(axis->min, value);
+        axis->max = fmax(axis->max, value);
     }
 }
 

@@ -16,7 +16,8 @@ typedef struct PadCalibration {
 } PadCalibration;
 
 // Learning: begin with the pad left alone, which gives the centres; then show it every state while all axes are moved
-// to their ends; then finish, which forgets axes that moved less than CALIBRATION_SPAN_LEAST.
+// to their ends; then finish, which forgets axes that moved less than CALIBRATION_SPAN_LEAST. Many devices say nothing
+// while they rest: an axis that is told for the first time while learning has its centre there.
 PadCalibration calibration_begin(const PadState *at_rest);
 void calibration_learn(PadCalibration *calibration, const PadState *state);
 void calibration_finish(PadCalibration *calibration);

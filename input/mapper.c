@@ -102,12 +102,16 @@ static bool may_take(const Mapper *mapper, int slot, int mapping, int control, d
     return axis->value != before && (crossed || fabs(now - present) <= MAPPER_PICK_UP);
 }
 
-// `looked`: where the axis lay before it was moved.
+// `looked`: where the axis lay before it was moved. The control moves as the axis did, but towards it only: a device
+// whose first report was wrong would else move it away.
 static void take(Mapper *mapper, int slot, int mapping, int control, double looked) {
+    const MapperSlot *pad = &mapper->slots[slot];
+    double present = mapper->values[control], there = mapped(pad, mapping, pad->axes[mapping].value);
+    double moved = present + there - mapped(pad, mapping, looked);
     set_driver(mapper, control, (MapperDriver){MAPPER_AXIS, slot, mapping});
     if (!pad_control_rests((PadControl)control))
         return;
-    mapper->offsets[control] = mapper->values[control] - mapped(&mapper->slots[slot], mapping, looked);
+    mapper->offsets[control] = clamp(moved, fmin(present, there), fmax(present, there)) - there;
     mapper->fade_per_s[control] = fabs(mapper->offsets[control]) / MAPPER_FADE_S;
 }
 

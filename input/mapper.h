@@ -66,8 +66,8 @@ void mapper_disconnect(Mapper *mapper, int slot, Keyboard *keyboard);
 // once a press, or hold theirs; those that are down in the first report after plugging in (switches) count from when
 // they change. Values that are no numbers are ignored. An axis that does not drive its control takes it over when it
 // was moved; where the control stays where it is left, only once it comes within MAPPER_PICK_UP of it, or crosses it.
-// Other controls do not jump either: they move as the axis moved, and what was between the two before fades evenly
-// within MAPPER_FADE_S.
+// Other controls do not jump either: they move as the axis moved, if that is towards it, and what is between the two
+// then fades evenly within MAPPER_FADE_S.
 void mapper_report(Mapper *mapper, int slot, const PadState *state, Keyboard *keyboard);
 
 // Moves everything on by `dt_s`, the keyboard too, and gives the controls; whatever was touched last drives each. What

@@ -105,10 +105,10 @@ static void broken_files_are_refused_with_file_and_line(void **state) {
         {"stiffness = 32000 N/m", "", "'stiffness' is missing in [leg nose]"},
         {"stiffness = 32000 N/m", "stifness = 32000 N/m", "did you mean 'stiffness'?"},
         {"damping = 3200 N s/m", "damping = 1e7", "lower 'stiffness' or 'damping'"},
-        {"maximum = 1.60", "maximum = 2.9", "no stall angle"},
+        {"maximum = 1.60", "maximum = 0.55", "no stall angle"},
         {"area = 174ft2", "area = 1900m2", "at a rate of"},
         {"name = Cessna 172P", "name =", "expected a text of 1 to 255 bytes"},
-        {"[lift]", "[lift", "expected 'name = value'"},
+        {"mass = 2400lb", "mass 2400lb", "expected 'name = value'"},
     };
     for (size_t i = 0; i < COUNT_OF(broken); i++) {
         char text[TEXT_BYTES];

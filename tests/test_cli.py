@@ -449,6 +449,44 @@ def a_flight_starts_in_the_air_wherever_it_is_asked_to(cli):
             raise Fault(f"{name} is {report[name]!r} after a second at 10 km/s")
 
 
+def a_flight_may_start_on_the_ground(cli):
+    for name in ("c172", "t37", "ask21"):
+        report = cli.json("fly", *SMALL, "--no-window", "--lockstep", "--frames", "30", "--on-ground", "--aircraft", name)
+        expect(f"contact of {name}", report["contact"], "rolling")
+        expect(f"aircraft of {name}", report["aircraft"], name)
+        if not report["above_ground_m"] < 2.0 or not report["speed_m_s"] < 3.0 or not report["throttle"] < 0.01:
+            raise Fault(f"{name}: {report['above_ground_m']} m above the ground, {report['speed_m_s']} m/s, throttle "
+                        f"{report['throttle']}")
+
+
+def an_aircraft_is_chosen_by_name_or_file(cli):
+    cli.refused(1, "did you mean 'c172'?", "fly", "--no-window", "--frames", "1", "--aircraft", "c127")
+    own = cli.write("own.aircraft", "[mass]\nmas = 3\n")
+    cli.refused(1, "own.aircraft:2: an aircraft has no 'mas' in [mass]; did you mean 'mass'?", "fly", "--no-window",
+                "--frames", "1", "--aircraft", own)
+    cli.refused(1, "own.aircraft:2", "aircraft", own)
+    names = [aircraft["name"] for aircraft in cli.json("aircraft")["aircraft"]]
+    expect("aircraft", names, ["ask21", "c172", "t37"])
+    steady = cli.json("fly", *SMALL, "--no-window", "--lockstep", "--frames", "120", "--aircraft", "c172")
+    loose = cli.json("fly", *SMALL, "--no-window", "--lockstep", "--frames", "120", "--aircraft", "c172", "--no-trim",
+                     "--no-assist")
+    if not abs(steady["vertical_speed_m_s"]) < 0.05 < abs(loose["vertical_speed_m_s"]):
+        raise Fault(f"{steady['vertical_speed_m_s']} m/s up in trim, {loose['vertical_speed_m_s']} without")
+
+
+def the_table_of_aircraft_is_the_documented_one(cli):
+    def figure(value):
+        return "" if value is None else f"{value:.4f}" if abs(value) < 1 else f"{value:.2f}"
+
+    with open(os.path.join(os.path.dirname(__file__), "..", "docs", "aircraft.md"), encoding="utf-8") as page:
+        text = page.read()
+    for aircraft in cli.json("aircraft", "t37", "c172", "ask21")["aircraft"]:
+        for row in aircraft["rows"]:
+            unit = f", {row['unit']}" if row["unit"] else ""
+            figures = " | ".join(figure(row[name]) for name in ("theory", "simulation", "published"))
+            expect_in("docs/aircraft.md", f"| {aircraft['name']}: {row['name'].strip()}{unit} | {figures} |", text)
+
+
 FLIGHT = ("AXXX001\r\nHFDTE010624\r\nHFALG:GEO\r\n" +
           "".join(f"B12{i // 60:02}{i % 60:02}46{30000 + 15 * i:05}N00800000EA00000{1500 + i:05}\r\n" for i in range(90) if i != 30))
 
@@ -694,7 +732,8 @@ CASES = [help_is_instant_and_complete, help_comes_even_with_a_damaged_file, wron
          a_flight_repeats_in_lockstep, overlapped_stages_draw_what_lockstep_draws,
          pictures_are_spread_over_the_flight, without_a_display_it_says_how_to_get_a_window,
          an_old_opengl_is_named_beside_what_is_needed, signals_end_a_flight_cleanly,
-         a_flight_starts_in_the_air_wherever_it_is_asked_to, flights_are_converted,
+         a_flight_starts_in_the_air_wherever_it_is_asked_to, a_flight_may_start_on_the_ground,
+         an_aircraft_is_chosen_by_name_or_file, the_table_of_aircraft_is_the_documented_one, flights_are_converted,
          conversions_that_cannot_be_are_refused, a_flight_without_a_date_is_given_one, a_pipe_is_not_waited_for,
          a_full_disk_is_an_error, a_recorded_flight_is_flown_again, another_flight_is_told_from_its_step_on,
          a_damaged_recording_says_what_is_lost, replays_that_cannot_be_are_refused, a_recording_without_its_land_says_so,

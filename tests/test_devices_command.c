@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -137,6 +138,125 @@ static void test_watching_prints_a_line_for_what_changes(void **state) {
     expect(text, "/dev/hidraw0: Nobody Pretended Stick left\n");
 }
 
+// ---- Calibrating ----
+
+typedef struct Person {
+    char folder[64], fifo[80];
+    FILE *sees, *types;
+} Person;
+
+// With a state folder of its own.
+static void sit_down(Person *person, const char *arguments) {
+    char command[256];
+    strcpy(person->folder, "/tmp/overfly-calibrate-XXXXXX");
+    assert_non_null(mkdtemp(person->folder));
+    snprintf(person->fifo, sizeof person->fifo, "%s/keys", person->folder);
+    assert_int_equal(mkfifo(person->fifo, 0600), 0);
+    setenv("XDG_STATE_HOME", person->folder, 1);
+    snprintf(command, sizeof command, "--calibrate %s 2>&1 < %s", arguments, person->fifo);
+    person->sees = start(command);
+    person->types = fopen(person->fifo, "w");
+    assert_non_null(person->types);
+}
+
+static void press_enter(Person *person) {
+    fputc('\n', person->types);
+    fflush(person->types);
+}
+
+static void wait_for(Person *person, const char *part) {
+    char line[512];
+    while (fgets(line, sizeof line, person->sees)) {
+        print_message("%s", line);
+        if (strstr(line, part))
+            return;
+    }
+    fail_msg("expected '%s'", part);
+}
+
+// The exit status.
+static int stand_up(Person *person, char text[8192]) {
+    text[fread(text, 1, 8191, person->sees)] = '\0';
+    int status = pclose(person->sees);
+    fclose(person->types);
+    unlink(person->fifo);
+    print_message("%s", text);
+    assert_true(WIFEXITED(status));
+    return WEXITSTATUS(status);
+}
+
+static void read_kept(Person *person, char text[8192]) {
+    char path[256];
+    snprintf(path, sizeof path, "%s/overfly/calibration.conf", person->folder);
+    FILE *file = fopen(path, "r");
+    text[file ? fread(text, 1, 8191, file) : 0] = '\0';
+    if (file)
+        fclose(file);
+    unlink(path);
+    snprintf(path, sizeof path, "%s/overfly", person->folder);
+    rmdir(path);
+    rmdir(person->folder);
+    print_message("%s", text);
+}
+
+static void move_stick(FakeStick *stick, double x, double y, double slider) {
+    uint8_t report[FAKE_STICK_BYTES];
+    fake_joystick_report(x, y, 0.1, slider, -1, 0, report);
+    fake_stick_send(stick, report, sizeof report);
+    sleep_ms(30);
+}
+
+static void test_calibrating_learns_shows_and_keeps(void **state) {
+    FakeBed *bed = *state;
+    Person person;
+    char text[8192], kept[8192];
+    FakeStick *stick = fake_stick_plug(bed, &FAKE_JOYSTICK, 0);
+    sit_down(&person, "--seconds 20");
+    wait_for(&person, "(Enter: they rest.");
+    press_enter(&person); // it has said nothing yet, as most sticks that rest
+    wait_for(&person, "Now move");
+    move_stick(stick, 0.04, -0.02, 0.0);
+    move_stick(stick, -0.8, -0.02, 0.0);
+    move_stick(stick, 0.9, 0.02, -0.96);
+    move_stick(stick, 0.05, -0.02, 0.98);
+    press_enter(&person);
+    assert_int_equal(stand_up(&person, text), 0);
+    expect(text, "  x            -0.800   +0.040   +0.900\n");
+    expect(text, "  y            not moved\n");
+    expect(text, "2 axes are kept, for all devices 044f:b10a\n");
+    FILE *pipe = start("--watch --seconds 1");
+    sleep_ms(500);
+    move_stick(stick, 0.9, 0.0, 0.98);
+    finish(pipe, text);
+    read_kept(&person, kept);
+    expect(kept, "[044f:b10a]\nx = ");
+    expect(kept, "slider = ");
+    expect(text, "x +0.900 (aileron +1.000)");
+}
+
+static void test_a_calibration_that_is_left_or_never_rests_keeps_nothing(void **state) {
+    FakeBed *bed = *state;
+    Person person;
+    char text[8192];
+    sit_down(&person, "--seconds 5");
+    int nothing = stand_up(&person, text);
+    expect(text, "nothing to calibrate");
+    read_kept(&person, text);
+    assert_string_equal(text, "");
+    fake_stick_plug(bed, &FAKE_JOYSTICK, 0);
+    sit_down(&person, "--seconds 0.3");
+    int short_of_rest = stand_up(&person, text);
+    expect(text, "never left alone");
+    read_kept(&person, text);
+    assert_string_equal(text, "");
+    sit_down(&person, "--json");
+    int usage = stand_up(&person, text);
+    expect(text, "neither --watch nor --json");
+    read_kept(&person, text);
+    print_message("exit status %d, %d, %d\n", nothing, short_of_rest, usage);
+    assert_true(nothing != 0 && short_of_rest != 0 && usage == 2);
+}
+
 #define DEVICE_TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
 
 int main(void) {
@@ -146,6 +266,8 @@ int main(void) {
         DEVICE_TEST(test_json_tells_the_same),
         DEVICE_TEST(test_a_node_that_may_not_be_read_is_told_with_its_remedy),
         DEVICE_TEST(test_watching_prints_a_line_for_what_changes),
+        DEVICE_TEST(test_calibrating_learns_shows_and_keeps),
+        DEVICE_TEST(test_a_calibration_that_is_left_or_never_rests_keeps_nothing),
     };
     if (!fake_bed_works()) {
         print_message("skipped: umockdev's preload library is not there\n");

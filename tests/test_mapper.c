@@ -244,6 +244,25 @@ static void a_stick_that_lies_elsewhere_takes_over_without_a_jump(void **state) 
     expect_near("aileron", desk.controls.aileron, stick_value(0.9), 1e-12);
 }
 
+// From its corner, where a device says it is before it knows, to the middle: the aileron is there already.
+static void a_stick_never_moves_a_control_away_from_itself(void **state) {
+    (void)state;
+    Desk desk;
+    begin(&desk, 0.5);
+    PadInfo info = stick();
+    mapper_connect(&desk.mapper, 3, &info, NULL, NULL);
+    desk.pads[3] = told_state();
+    put(&desk, 3, X, -1.0);
+    put(&desk, 3, X, 0.0);
+    for (int i = 0; i < 40; i++) {
+        sample(&desk);
+        expect_near("aileron", desk.controls.aileron, 0.0, 0.0);
+    }
+    put(&desk, 3, X, 0.4);
+    sample(&desk);
+    expect_near("aileron", desk.controls.aileron, stick_value(0.4), 1e-12);
+}
+
 static void a_report_acts_in_the_next_sample(void **state) {
     (void)state;
     Desk desk;
@@ -619,6 +638,7 @@ int main(void) {
         cmocka_unit_test(the_default_mapping_goes_by_kinds_of_axes),
         cmocka_unit_test(an_axis_is_unknown_until_it_moves),
         cmocka_unit_test(a_stick_that_lies_elsewhere_takes_over_without_a_jump),
+        cmocka_unit_test(a_stick_never_moves_a_control_away_from_itself),
         cmocka_unit_test(a_report_acts_in_the_next_sample),
         cmocka_unit_test(the_throttle_takes_over_softly),
         cmocka_unit_test(a_lever_within_two_hundredths_has_the_throttle),

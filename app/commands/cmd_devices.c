@@ -1,5 +1,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include "app/commands/command.h"
+#include "app/devices/device_calibrate.h"
 #include "app/devices/device_print.h"
 #include "app/signals.h"
 #include "base/clock.h"
@@ -13,6 +14,7 @@
 #define FIRST_REPORTS_NS INT64_C(300000000) // wait for what devices say without being touched
 #define REDRAW_NS INT64_C(50000000)
 #define EVENTS 64
+#define CALIBRATE_S 60.0
 
 typedef struct Show {
     Devices *devices;
@@ -90,16 +92,29 @@ static Result print_result(const Show *show, bool watched) {
     return RESULT_OK;
 }
 
+static double seconds_of(const Options *options, double otherwise) {
+    return options_is_set(options, OPTION_WATCH_SECONDS) ? options_number(options, OPTION_WATCH_SECONDS) : otherwise;
+}
+
+static Result check(const Options *options) {
+    bool calibrates = options_flag(options, OPTION_CALIBRATE);
+    if (!calibrates || (!options_flag(options, OPTION_WATCH) && !options_flag(options, OPTION_JSON)))
+        return RESULT_OK;
+    log_error("devices: --calibrate asks a person: expected neither --watch nor --json with it");
+    return RESULT_USAGE;
+}
+
 static Result run(Show *show, const Options *options) {
     bool watches = options_flag(options, OPTION_WATCH);
-    double seconds =
-        options_is_set(options, OPTION_WATCH_SECONDS) ? options_number(options, OPTION_WATCH_SECONDS) : 0.0;
+    double seconds = seconds_of(options, 0.0);
     int64_t until_ns = seconds > 0.0 ? clock_now_ns() + (int64_t)(seconds * 1e9) : 0;
     show->json = options_flag(options, OPTION_JSON);
     show->redraws = watches && !show->json && isatty(STDOUT_FILENO);
     show->lines = watches && !show->json && !show->redraws;
     if (!devices_wait(show->devices, LOOK_S))
         log_warn("devices: after %g s some are still being looked at", LOOK_S);
+    if (options_flag(options, OPTION_CALIBRATE))
+        return device_calibrate(show->devices, seconds_of(options, CALIBRATE_S));
     if (watches)
         watch(show, until_ns);
     else
@@ -109,6 +124,8 @@ static Result run(Show *show, const Options *options) {
 
 Result cmd_devices(const Options *options) {
     sigset_t before;
+    if (check(options) != RESULT_OK)
+        return RESULT_USAGE;
     Show *show = calloc(1, sizeof *show);
     if (!show) {
         log_error("devices: no memory for %zu bytes", sizeof *show);

@@ -223,8 +223,10 @@ static double wanted_height(const Flight *flight, const Waypoint *to, double cle
 Controls autopilot_fly(Autopilot *autopilot, const Flight *flight, const Waypoint *to, double clearance_m,
                        double dt_s) {
     Geodetic place = geodesy_from_ecef(flight->state.position_ecef);
+    const Aircraft *a = flight->aircraft;
+    double fastest = a->engine == AIRCRAFT_GLIDER ? a->cruise_speed : 0.9 * a->never_exceed_speed;
     AutopilotWish wish = {.height_m = wanted_height(flight, to, clearance_m),
-                          .speed_m_s = fmin(to->speed_m_s, 0.9 * flight->aircraft->never_exceed_speed),
+                          .speed_m_s = fmin(to->speed_m_s, fastest),
                           .bank_max_rad = WAYPOINT_BANK};
     double distance_m;
     autopilot_course(place.lat_rad, place.lon_rad, to, &distance_m, &wish.heading_rad);

@@ -279,11 +279,18 @@ static void step(FlightSession *session) {
     else
         flight_step(&session->flight, &controls, FLIGHT_STEP_S);
     shake_pads(session, &before);
+    if (session->telemetry)
+        telemetry_step(session->telemetry, &session->flight, session->world->geoid);
     session->crashes += before.contact != FLIGHT_CRASHED && session->flight.state.contact == FLIGHT_CRASHED;
     if (before.contact == FLIGHT_CRASHED && session->flight.state.contact != FLIGHT_CRASHED)
         begin_again(session);
     if (session->demo_flies && demo_is_over(&session->demo))
         end_demo(session);
+}
+
+static void act_on_presses(FlightSession *session) {
+    for (Action action; (action = keyboard_next_action(&session->keyboard)) != ACTION_NONE;)
+        act(session, action);
 }
 
 static void fly_steps(FlightSession *session, double passed_s) {
@@ -292,6 +299,7 @@ static void fly_steps(FlightSession *session, double passed_s) {
     double end_ns = (double)session->now_ns - session->settings.clock.owed_s * 1e9;
     for (int i = 0; i < steps; i++) {
         hear_pads(session, session->now_ns ? (int64_t)(end_ns - (steps - i) * step_ns) : PILOT_EVERYTHING);
+        act_on_presses(session);
         step(session);
     }
 }
@@ -311,8 +319,7 @@ void session_advance(FlightSession *session, double passed_s) {
         pilot_poll(session->pilot);
     if (session->playback || session->settings.clock.paused)
         hear_pads(session, PILOT_EVERYTHING);
-    for (Action action; (action = keyboard_next_action(&session->keyboard)) != ACTION_NONE;)
-        act(session, action);
+    act_on_presses(session);
     if (session->playback)
         session_replay_advance(session, passed_s);
     else

@@ -9,6 +9,7 @@
 #include "app/flight/flight_settings.h"
 #include "app/flight/governor.h"
 #include "app/flight/pilot.h"
+#include "app/flight/telemetry.h"
 #include "app/pipeline/pipeline.h"
 #include "app/replay/playback.h"
 #include "app/replay/timeline.h"
@@ -40,6 +41,7 @@ typedef struct FlightSession {
     Pilot *pilot;             // borrowed; NULL: the keyboard alone
     Feel feel;                // of the pilot's hands
     int64_t now_ns;           // until when session_advance flies, as base/clock.h counts; 0: not by a clock
+    Telemetry *telemetry;     // borrowed; NULL: none
     FlightRecorder *recorder; // borrowed; NULL: nothing is recorded
     Demo demo;
     bool demo_flies;

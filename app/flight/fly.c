@@ -23,6 +23,7 @@ typedef struct Fly {
     FlightSession *session;
     Pilot *pilot;
     FlightRecorder *recorder;
+    Telemetry *telemetry;
     Video *video;
     Pipeline *pipeline;
     Monitor *monitor;
@@ -140,6 +141,9 @@ static Result start_session(Fly *fly) {
     if (result == RESULT_OK)
         result = recorder_create(&fly->world, fly->options, &flown, &fly->recorder);
     fly->session->recorder = fly->recorder;
+    if (result == RESULT_OK && options_text(fly->options, OPTION_TELEMETRY))
+        result = telemetry_create(options_text(fly->options, OPTION_TELEMETRY), &fly->telemetry);
+    fly->session->telemetry = fly->telemetry;
     return result;
 }
 
@@ -220,6 +224,7 @@ static Result end(Fly *fly) {
     if (fly->session)
         session_end(fly->session);
     free(fly->session);
+    telemetry_destroy(&fly->telemetry);
     pilot_destroy(&fly->pilot);
     playback_close(&fly->playback);
     world_unload(&fly->world);

@@ -185,9 +185,13 @@ static bool is_of(const JoystickAxisCalibration *kept, const PadInfo *info) {
     return kept->vendor == info->vendor && kept->product == info->product;
 }
 
+bool joystick_calibration_file(char path[PATHS_BYTES_MAX]) {
+    return files_user_state(CALIBRATION_FILE, path);
+}
+
 static Result read_kept(const Names *names, JoystickCalibration *out, char path[PATHS_BYTES_MAX]) {
     out->count = 0;
-    if (!files_user_state(CALIBRATION_FILE, path))
+    if (!joystick_calibration_file(path))
         return RESULT_NOT_FOUND;
     return joystick_calibration_read(path, &names->lists, out);
 }

@@ -16,5 +16,7 @@ MUST_USE Result joystick_read_profile(const char *path, PadProfile *out);
 // What was kept for pads of this vendor and product (calibration.conf in the XDG state folder). NOT_FOUND: nothing.
 // IO, FORMAT; logged.
 MUST_USE Result joystick_load_calibration(const PadInfo *info, PadCalibration *out);
+// Where that is. False: neither XDG_STATE_HOME nor HOME is set.
+bool joystick_calibration_file(char path[PATHS_BYTES_MAX]);
 // Keeps it, in place of what was kept for such pads. IO, FORMAT (of the old file); logged.
 MUST_USE Result joystick_save_calibration(const PadInfo *info, const PadCalibration *calibration);
