@@ -51,13 +51,17 @@ static Result read_default(Scene *out) {
     return result == RESULT_OK ? scene_read(path, out) : result;
 }
 
+// The first word of some commands is what to measure, to replay, or to fly.
+static int first_scene(const Options *options) {
+    return (options_command(options) & (COMMAND_BENCH | COMMAND_REPRODUCE | COMMAND_REPLAY | COMMAND_DEMO)) != 0;
+}
+
 static Result read_listed(const char *const *names, int count, Scene *out) {
     return count > 0 ? read_named(names, count, out) : read_default(out);
 }
 
 static Result read_scene(const Options *options, Scene *out) {
-    // The first word of these is what to measure, or to replay.
-    int first = (options_command(options) & (COMMAND_BENCH | COMMAND_REPRODUCE | COMMAND_REPLAY)) != 0;
+    int first = first_scene(options);
     int count = options_positional_count(options) - first;
     return read_listed(options_positionals(options) + first, count, out);
 }
@@ -223,11 +227,17 @@ fail:
     return result;
 }
 
+// Too many names are cut off: whoever needs them finds that they name nothing.
+static void keep_names(const char *const *names, int count, World *world) {
+    size_t length = 0;
+    for (int i = 0; i < count && length < sizeof world->names; i++)
+        length += (size_t)snprintf(world->names + length, sizeof world->names - length, "%s%s", i ? "|" : "", names[i]);
+}
+
 Result world_load(const Options *options, World *out) {
-    Scene scene = {.datum = -1, .voids = -1};
-    TerrainOptions terrain = scene_terrain_options(options);
-    Result result = read_scene(options, &scene);
-    return result == RESULT_OK ? load_scene(options, &terrain, &scene, out) : result;
+    int first = first_scene(options);
+    return world_load_listed(options, options_positionals(options) + first, options_positional_count(options) - first,
+                             out);
 }
 
 Result world_check_listed(const Options *options, const char *const *names, int count) {
@@ -243,7 +253,11 @@ Result world_load_listed(const Options *options, const char *const *names, int c
     Scene scene = {.datum = -1, .voids = -1};
     TerrainOptions terrain = scene_terrain_options(options);
     Result result = read_listed(names, count, &scene);
-    return result == RESULT_OK ? load_scene(options, &terrain, &scene, out) : result;
+    if (result == RESULT_OK)
+        result = load_scene(options, &terrain, &scene, out);
+    if (result == RESULT_OK)
+        keep_names(names, count, out);
+    return result;
 }
 
 Result world_check_named(const Options *options, const char *name) {

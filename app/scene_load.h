@@ -12,8 +12,11 @@
 #include "terrain/lod/lod.h"
 #include "terrain/terrain.h"
 
+#define WORLD_NAMES_BYTES 1024
+
 typedef struct World {
-    Scene scene; // from the scene file; for plain DEMs empty but for their paths
+    char names[WORLD_NAMES_BYTES]; // what was loaded, as it was named, with | between; "": the default scene
+    Scene scene;                   // from the scene file; for plain DEMs empty but for their paths
     Jobs *jobs;
     Geoid *geoid; // for people's altitudes, whatever the DEM's own datum
     Terrain *terrain;

@@ -24,6 +24,7 @@ add_custom_target(program ALL DEPENDS overfly ${manual})
 
 overfly_data_folder(aircraft ${data}/aircraft)
 overfly_data_folder(dem ${data}/dem)
+overfly_data_folder(demos ${data}/demos)
 overfly_data_folder(joysticks ${data}/joysticks)
 overfly_data_folder(report ${data}/report)
 overfly_data_folder(scenes ${data}/scenes)

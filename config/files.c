@@ -45,6 +45,12 @@ bool files_is_folder(const char *path) {
     return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
 }
 
+bool files_are_same(const char *a, const char *b) {
+    struct stat first, second;
+    return stat(a, &first) == 0 && stat(b, &second) == 0 && first.st_dev == second.st_dev &&
+           first.st_ino == second.st_ino;
+}
+
 Result files_check_readable(const char *path) {
     if (access(path, R_OK) == 0)
         return RESULT_OK;
@@ -92,6 +98,16 @@ Result files_check_folder_of(const char *file) {
         return RESULT_RANGE;
     }
     return files_check_folder(folder);
+}
+
+Result files_check_writable(const char *path) {
+    if (!files_exists(path))
+        return files_check_folder_of(path);
+    bool folder = files_is_folder(path);
+    if (!folder && access(path, W_OK) == 0)
+        return RESULT_OK;
+    log_error("%s: cannot be written: %s; name another file", path, folder ? "a folder" : strerror(errno));
+    return RESULT_IO;
 }
 
 Result files_make_folder(const char *path) {

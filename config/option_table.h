@@ -3,7 +3,8 @@
 // Included by config/options.h and config/options.c only.
 #pragma once
 
-#define COMMANDS_FLIGHT (COMMAND_FLY | COMMAND_REPLAY)
+#define COMMANDS_FLOWN (COMMAND_FLY | COMMAND_DEMO)
+#define COMMANDS_FLIGHT (COMMANDS_FLOWN | COMMAND_REPLAY)
 #define COMMANDS_SCENE (COMMANDS_FLIGHT | COMMAND_SNAPSHOT | COMMAND_MESH | COMMAND_BENCH)
 #define COMMANDS_VIEW (COMMAND_FLY | COMMAND_SNAPSHOT | COMMAND_MESH)
 #define COMMANDS_WORK (COMMANDS_SCENE | COMMAND_REPRODUCE)
@@ -102,19 +103,25 @@
       "leave after N frames, or measure so many; 0: when told to, or a measurement's own number")                      \
     X(LOCKSTEP, "lockstep", 0, FLAG, NULL, "false", 0, 0, NULL, COMMANDS_FLIGHT,                                       \
       "stages one after another, 1/60 s a frame: the same pictures each time")                                         \
+    X(TELEMETRY, "telemetry", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMANDS_FLIGHT,                                      \
+      "a line of CSV ten times a second of flight, for scripts; -: on stdout")                                         \
     X(RECORD, "record", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMANDS_FLIGHT,                                            \
       "record the flight as it goes (.ofr); without: the last ten minutes are kept, and F5 saves them")                \
     X(JOYSTICK, "joystick", 0, FLAG, NULL, "true", 0, 0, NULL, COMMANDS_FLIGHT, "look for sticks and gamepads")        \
     X(DEMO, "demo", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY, "fly the scene's demonstration")                  \
-    X(AIRCRAFT, "aircraft", 0, TEXT, "NAME|FILE", "t37", 0, 0, NULL, COMMAND_FLY,                                      \
+    X(KIOSK, "kiosk", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_DEMO,                                                \
+      "for a stand: the demo begins again at its end, on Esc, and when nobody steers for --idle")                      \
+    X(IDLE, "idle", 0, NUMBER, "S", "45", 1, 86400, NULL, COMMAND_DEMO,                                                \
+      "with --kiosk: seconds until the demo begins again")                                                             \
+    X(AIRCRAFT, "aircraft", 0, TEXT, "NAME|FILE", "t37", 0, 0, NULL, COMMANDS_FLOWN,                                   \
       "what is flown: one that 'overfly aircraft' lists, or an aircraft file")                                         \
-    X(TRIM, "trim", 0, FLAG, NULL, "true", 0, 0, NULL, COMMAND_FLY, "start in steady flight")                          \
-    X(ON_GROUND, "on-ground", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_FLY, "start standing on the ground")         \
-    X(ASSIST, "assist", 0, FLAG, NULL, "true", 0, 0, NULL, COMMAND_FLY,                                                \
+    X(TRIM, "trim", 0, FLAG, NULL, "true", 0, 0, NULL, COMMANDS_FLOWN, "start in steady flight")                       \
+    X(ON_GROUND, "on-ground", 0, FLAG, NULL, "false", 0, 0, NULL, COMMANDS_FLOWN, "start standing on the ground")      \
+    X(ASSIST, "assist", 0, FLAG, NULL, "true", 0, 0, NULL, COMMANDS_FLOWN,                                             \
       "keys ask for rates of pitch and roll, and the path stays when let go; without: they move the surfaces")         \
-    X(TIME_RATE, "time-rate", 0, CHOICE, NULL, "1", 0, 0, CHOICES_TIME_RATE, COMMAND_FLY,                              \
+    X(TIME_RATE, "time-rate", 0, CHOICE, NULL, "1", 0, 0, CHOICES_TIME_RATE, COMMANDS_FLOWN,                           \
       "how fast time runs at the start")                                                                               \
-    X(SPEED, "speed", 0, SPEED, "SPEED", NULL, 0, 20000, NULL, COMMAND_FLY | COMMAND_BENCH,                            \
+    X(SPEED, "speed", 0, SPEED, "SPEED", NULL, 0, 20000, NULL, COMMANDS_FLOWN | COMMAND_BENCH,                         \
       "at the start (80m/s, 120kt); measuring: 100m/s if not given")                                                   \
     X(HEIGHT, "height", 0, LENGTH, "LENGTH", "500", 1, 1e7, NULL, COMMAND_BENCH, "of the flight above the ground")     \
     X(SIDES, "sides", 0, TEXT, "LIST", "1025,2049,4097", 0, 0, NULL, COMMAND_BENCH, "samples a side to preprocess")    \
@@ -161,6 +168,8 @@
       "or the geoid where HFALG does not say")                                                                         \
     X(OBJECT, "object", 0, TEXT, "NAME", NULL, 0, 0, NULL, COMMAND_CONVERT | COMMAND_REPLAY,                           \
       "which track of several: its name, or its number; of ACMI its id")                                               \
+    X(INTERVAL, "interval", 0, NUMBER, "S", NULL, 0.01, 3600, NULL, COMMAND_CONVERT,                                   \
+      "between the points that a recording (.ofr) is written with; 0.5 if not given, of IGC 1")                        \
     X(START, "start", 0, TEXT, "TIME", NULL, 0, 0, NULL, COMMAND_CONVERT,                                              \
       "when the flight began, as 2024-06-01T12:00:00Z, instead of what the file says")                                 \
                                                                                                                        \

@@ -16,7 +16,9 @@ typedef enum CommandId {
     COMMAND_CONVERT = 1 << 7,
     COMMAND_REPLAY = 1 << 8,
     COMMAND_DEVICES = 1 << 9,
-    COMMANDS_ALL = (1 << 10) - 1,
+    COMMAND_DEMO = 1 << 10,
+    COMMAND_AIRCRAFT = 1 << 11,
+    COMMANDS_ALL = (1 << 12) - 1,
 } CommandId;
 
 #include "config/option_table.h"

@@ -77,6 +77,8 @@ static const struct {
     {"reproduce", COMMAND_REPRODUCE},
     {"convert", COMMAND_CONVERT},
     {"replay", COMMAND_REPLAY},
+    {"demo", COMMAND_DEMO},
+    {"aircraft", COMMAND_AIRCRAFT},
 };
 
 static bool find_section(const IniEntry *entry, CommandId *out) {
@@ -90,7 +92,9 @@ static bool find_section(const IniEntry *entry, CommandId *out) {
     }
     const char *nearest = suggest_nearest(entry->section, names + 1, (int)COUNT_OF(sections) - 1);
     log_error("%s:%d: in section [%s]: expected a subcommand's name%s%s%s", entry->file, entry->line, entry->section,
-              nearest ? "; did you mean [" : " (fly, replay, snapshot, mesh, bench, reproduce, info, convert, config)",
+              nearest
+                  ? "; did you mean ["
+                  : " (fly, replay, demo, snapshot, mesh, bench, reproduce, info, convert, devices, aircraft, config)",
               nearest ? nearest : "", nearest ? "]?" : "");
     return false;
 }

@@ -30,6 +30,7 @@ static const struct {
     {']', ANY, ACTION_FLAPS_DOWN},
     {'G', PLAIN, ACTION_GEAR_UP},
     {'G', SHIFTED, ACTION_GEAR_DOWN},
+    {'O', ANY, ACTION_AUTOPILOT},
     {'R', ANY, ACTION_RESET},
     {KEY_F5, ANY, ACTION_SAVE},
     {'5', ANY, ACTION_CENTRE},

@@ -45,6 +45,7 @@
 
 #define ACTION_ONCE_TABLE(X)                                                                                           \
     X(RESET, "r", "start anew")                                                                                        \
+    X(AUTOPILOT, "o", "autopilot: hold height, heading and speed, on and off")                                         \
     X(CENTRE, "5", "centre stick and rudder")                                                                          \
     X(FLAPS_UP, "[", "flaps up a notch")                                                                               \
     X(FLAPS_DOWN, "]", "flaps down a notch")                                                                           \

@@ -51,7 +51,7 @@ typedef struct RenderHud {
     double flaps;       // 0 up .. 1 full
     bool gear_retracts; // `gear` is told
     double gear;        // 0 up .. 1 down and locked
-    bool brakes;
+    bool brakes, autopilot;
     bool outside; // the camera is not on board: instead of the attitude the aircraft is marked where it is small, at
     Vec3d aircraft_ecef, nose_ecef, wing_ecef; // metres; unit, ahead; unit, to the right
     bool show_names;               // where the picture is split and show_numbers is not set: the methods and their cuts

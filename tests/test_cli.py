@@ -1,9 +1,12 @@
 #!/usr/bin/env python3
 """The program from outside, as a person or a script uses it, mistakes included. Usage: test_cli.py OVERFLY [NAME|-NAME]...
 with names these cases alone, with -NAME all but these."""
+import csv
 import hashlib
 import json
 import os
+import re
+import shutil
 import signal
 import struct
 import subprocess
@@ -12,10 +15,11 @@ import tempfile
 import time
 import zlib
 
-from cli_support import DEM, Cli, Fault, expect, expect_in, passes
+from cli_support import DEM, Cli, Fault, Skip, expect, expect_in, passes
 
 SMALL = ["--size", "320x200"]
-SUBCOMMANDS = ["fly", "snapshot", "mesh", "bench", "reproduce", "info", "convert", "devices", "config"]
+SUBCOMMANDS = ["fly", "demo", "replay", "snapshot", "mesh", "bench", "reproduce", "info", "convert", "devices",
+               "aircraft", "config"]
 
 
 class FlightCli(Cli):
@@ -445,6 +449,44 @@ def a_flight_starts_in_the_air_wherever_it_is_asked_to(cli):
             raise Fault(f"{name} is {report[name]!r} after a second at 10 km/s")
 
 
+def a_flight_may_start_on_the_ground(cli):
+    for name in ("c172", "t37", "ask21"):
+        report = cli.json("fly", *SMALL, "--no-window", "--lockstep", "--frames", "30", "--on-ground", "--aircraft", name)
+        expect(f"contact of {name}", report["contact"], "rolling")
+        expect(f"aircraft of {name}", report["aircraft"], name)
+        if not report["above_ground_m"] < 2.0 or not report["speed_m_s"] < 3.0 or not report["throttle"] < 0.01:
+            raise Fault(f"{name}: {report['above_ground_m']} m above the ground, {report['speed_m_s']} m/s, throttle "
+                        f"{report['throttle']}")
+
+
+def an_aircraft_is_chosen_by_name_or_file(cli):
+    cli.refused(1, "did you mean 'c172'?", "fly", "--no-window", "--frames", "1", "--aircraft", "c127")
+    own = cli.write("own.aircraft", "[mass]\nmas = 3\n")
+    cli.refused(1, "own.aircraft:2: an aircraft has no 'mas' in [mass]; did you mean 'mass'?", "fly", "--no-window",
+                "--frames", "1", "--aircraft", own)
+    cli.refused(1, "own.aircraft:2", "aircraft", own)
+    names = [aircraft["name"] for aircraft in cli.json("aircraft")["aircraft"]]
+    expect("aircraft", names, ["ask21", "c172", "t37"])
+    steady = cli.json("fly", *SMALL, "--no-window", "--lockstep", "--frames", "120", "--aircraft", "c172")
+    loose = cli.json("fly", *SMALL, "--no-window", "--lockstep", "--frames", "120", "--aircraft", "c172", "--no-trim",
+                     "--no-assist")
+    if not abs(steady["vertical_speed_m_s"]) < 0.05 < abs(loose["vertical_speed_m_s"]):
+        raise Fault(f"{steady['vertical_speed_m_s']} m/s up in trim, {loose['vertical_speed_m_s']} without")
+
+
+def the_table_of_aircraft_is_the_documented_one(cli):
+    def figure(value):
+        return "" if value is None else f"{value:.4f}" if abs(value) < 1 else f"{value:.2f}"
+
+    with open(os.path.join(os.path.dirname(__file__), "..", "docs", "aircraft.md"), encoding="utf-8") as page:
+        text = page.read()
+    for aircraft in cli.json("aircraft", "t37", "c172", "ask21")["aircraft"]:
+        for row in aircraft["rows"]:
+            unit = f", {row['unit']}" if row["unit"] else ""
+            figures = " | ".join(figure(row[name]) for name in ("theory", "simulation", "published"))
+            expect_in("docs/aircraft.md", f"| {aircraft['name']}: {row['name'].strip()}{unit} | {figures} |", text)
+
+
 FLIGHT = ("AXXX001\r\nHFDTE010624\r\nHFALG:GEO\r\n" +
           "".join(f"B12{i // 60:02}{i % 60:02}46{30000 + 15 * i:05}N00800000EA00000{1500 + i:05}\r\n" for i in range(90) if i != 30))
 
@@ -507,6 +549,173 @@ def a_full_disk_is_an_error(cli):
     expect_in("message", "stdout", process.stderr)
 
 
+RECORDED = ["--size", "64x48", "--no-window", "--demo", "--frames", "30", "--time-rate", "16"]
+RECORDED_STEPS = 30 * 32  # 8 s
+
+
+def record(cli, name, *options):
+    report = cli.json("fly", *RECORDED, "--record", name, *options)
+    expect("frames", report["frames"], 30)
+    return cli.path(name)
+
+
+def change_bytes(path, offset, data):
+    with open(path, "r+b") as file:
+        file.seek(offset)
+        file.write(data)
+
+
+def a_recorded_flight_is_flown_again(cli):
+    hashes = set()
+    for name, recording, replaying in (("a.ofr", [], []), ("b.ofr", ["--threads", "1", "--method", "roam"], ["--threads", "8"]),
+                                       ("c.ofr", ["--threads", "8", "--method", "geomipmap"], ["--threads", "1"])):
+        record(cli, name, *recording)
+        verdict = cli.json("replay", name, "--verify", *replaying)
+        for field, wanted in (("steps", RECORDED_STEPS), ("steps_missing", 0), ("equal", True), ("first_difference_step", -1),
+                              ("expected_hash", verdict["hash"])):
+            expect(f"{name}: {field}", verdict[field], wanted)
+        if not verdict["realtime_factor"] > 1:
+            raise Fault(f"{verdict['realtime_factor']} times as fast as time")
+        hashes.add(verdict["hash"])
+    expect(f"hashes, found {hashes}", len(hashes), 1)
+    text = cli.run("replay", "a.ofr", "--verify").out
+    for part in ("a.ofr: 960 steps flown again", "the same flight", hashes.pop()):
+        expect_in("verdict", part, text)
+
+
+def another_flight_is_told_from_its_step_on(cli):
+    with open(os.path.join(os.path.dirname(DEM), "../aircraft/t37.aircraft"), encoding="utf-8") as file:
+        figures = file.read()
+    cli.write("mine.aircraft", figures)
+    record(cli, "a.ofr", "--aircraft", "mine.aircraft")
+    expect("as recorded", cli.json("replay", "a.ofr", "--verify")["equal"], True)
+    heavier = re.sub(r"^mass = (\d+)lb", lambda found: f"mass = {int(found[1]) + 1}lb", figures, flags=re.M)
+    expect("figures changed", heavier != figures, True)
+    cli.write("mine.aircraft", heavier)
+    run = cli.run("replay", "a.ofr", "--verify")
+    expect(f"exit status, having said {run.err!r}", run.code, 1)
+    expect_in("verdict", "another flight from step 0 on (0:00:00)", run.out)
+    expect_in("warning", "other figures of the aircraft 'mine.aircraft'", run.err)
+    run = cli.run("replay", "a.ofr", "--verify", "--json")
+    expect("exit status with --json", run.code, 1)
+    for field, wanted in (("equal", False), ("first_difference_step", 0)):
+        expect(field, json.loads(run.out)[field], wanted)
+    expect_in("conversion", "another flight from step 0 on", cli.run("convert", "a.ofr", "a.csv").err)
+
+
+def a_damaged_recording_says_what_is_lost(cli):
+    whole = record(cli, "a.ofr")
+    with open(whole, "rb") as file:
+        data = file.read()
+    with open(cli.path("cut.ofr"), "wb") as file:
+        file.write(data[:len(data) * 3 // 4])
+    run = cli.run("replay", "cut.ofr", "--verify", "--json")
+    expect(f"exit status, having said {run.err!r}", run.code, 0)
+    verdict = json.loads(run.out)
+    if not 0 < verdict["steps"] < RECORDED_STEPS or not verdict["equal"]:
+        raise Fault(f"{verdict} of a recording that was cut off")
+    expect(f"warnings in {run.err!r}", run.err.count("warning: "), 1)
+    expect_in("what is lost", "not closed in good order", run.err)
+    change_bytes(whole, len(data) // 2, b"\0\0\0\0")
+    run = cli.run("replay", "a.ofr", "--verify")
+    expect(f"exit status of a damaged one, having said {run.err!r}", run.code, 0)
+    expect_in("what is lost", "the replay has a gap there", run.err)
+    expect_in("what is missing", "steps are lost in the file", run.out)
+
+
+def replays_that_cannot_be_are_refused(cli):
+    replay = ["replay", "--size", "64x48", "--no-window"]
+    newer = record(cli, "newer.ofr")
+    record(cli, "a.ofr")
+    change_bytes(newer, 8, b"\x63")
+    os.mkfifo(cli.path("pipe.ofr"))
+    cli.refused(2, "expected a recorded flight", "replay")
+    cli.refused(1, "nowhere.ofr", *replay, "nowhere.ofr")
+    cli.refused(1, "nowhere.ofr", *replay, "nowhere.ofr", "--verify")
+    cli.refused(1, "a folder", *replay, ".")
+    cli.refused(1, "no regular file", *replay, "pipe.ofr")
+    for options in ([], ["--verify"]):
+        cli.refused(1, ["version 99", "reads version 1"], *replay, "newer.ofr", *options)
+    cli.refused(2, "is no recording", *replay, DEM, "--verify")
+    cli.refused(2, ["--at", "up to 0:00:08.0; found '17'"], *replay, "a.ofr", "--at", "17")
+    cli.refused(2, ["--at", "found 'noon'"], *replay, "a.ofr", "--at", "noon")
+    cli.refused(2, "the flight that is replayed", *replay, "a.ofr", "--record", "./a.ofr")
+    cli.refused(1, ["nowhere: not a folder", "mkdir -p"], "fly", *RECORDED, "--record", "nowhere/b.ofr")
+    cli.refused(1, "a folder", "fly", *RECORDED, "--record", ".")
+    expect("the recording is as it was", cli.json("replay", "a.ofr", "--verify")["equal"], True)
+
+
+def a_recording_without_its_land_says_so(cli):
+    with open(DEM, "rb") as file, open(cli.path("land.tif"), "wb") as copy:
+        copy.write(file.read())
+    record(cli, "a.ofr", "land.tif")
+    expect("over its land", cli.json("replay", "a.ofr", "--verify")["equal"], True)
+    os.rename(cli.path("land.tif"), cli.path("moved.tif"))
+    for arguments in (["replay", "a.ofr", "--verify"], ["convert", "a.ofr", "a.igc"]):
+        cli.refused(1, ["land.tif", "was recorded over 'land.tif', named as it was there"], *arguments)
+    expect("over the land named", cli.json("replay", "a.ofr", "moved.tif", "--verify")["equal"], True)
+
+
+def films_have_their_frames_at_exact_times(cli):
+    if shutil.which("ffmpeg") is None or shutil.which("ffprobe") is None:
+        raise Skip("no ffmpeg")
+    record(cli, "a.ofr")
+    replay = ["replay", "a.ofr", "--size", "64x48", "--fps", "12", "--time-rate", "8"]  # 1 s: 12 frames
+    report = cli.json(*replay, "--video", "a.mp4", "--pictures", "stills", "--every", "5")
+    expect("frames", report["frames"], 12)
+    times = subprocess.run(["ffprobe", "-v", "error", "-select_streams", "v", "-show_entries", "frame=pts_time", "-of",
+                            "csv=p=0", cli.path("a.mp4")], stdout=subprocess.PIPE, text=True, check=True).stdout.split()
+    expect("frames of the film", len(times), 12)
+    for i, text in enumerate(times):
+        if abs(float(text.rstrip(",")) - i / 12) > 1e-6:
+            raise Fault(f"frame {i} at {text} s, expected {i / 12:.6f} s")
+    expect("stills", sorted(os.listdir(cli.path("stills"))), [f"overfly-00{i}.png" for i in (1, 2, 3)])
+
+
+def read_points(path):
+    with open(path, encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    return {float(row["t_s"]): [float(row[name]) for name in ("lat_deg", "lon_deg", "alt_m")] for row in rows}
+
+
+def a_recording_is_converted(cli):
+    record(cli, "a.ofr")
+    for ending, interval, points in (("csv", [], 17), ("gpx", ["--interval", "0.25"], 33), ("kml", ["--interval", "4"], 3),
+                                     ("acmi", [], 17), ("igc", [], 9)):
+        report = cli.json("convert", "a.ofr", f"a.{ending}", *interval)
+        for name, wanted in (("format", "ofr"), ("points", points), ("gaps", 0), ("duration_s", 8), ("attitude", "recorded"),
+                             ("output_format", ending)):
+            expect(f"{ending}: {name}", report[name], wanted)
+    cli.json("convert", "a.igc", "back.csv")
+    flown, back = read_points(cli.path("a.csv")), read_points(cli.path("back.csv"))
+    expect("points read again", len(back), 9)
+    for t_s, (lat_deg, lon_deg, alt_m) in back.items():
+        there = flown[t_s]
+        if abs(lat_deg - there[0]) > 2e-7 or abs(lon_deg - there[1]) > 2e-7 or abs(alt_m - there[2]) > 0.51:
+            raise Fault(f"at {t_s} s: {lat_deg}, {lon_deg}, {alt_m} from IGC, flown {there}")
+    cli.refused(2, ["recordings are made by flying", "overfly fly --record b.ofr"], "convert", "a.igc", "b.ofr")
+    cli.refused(2, "--interval", "convert", "a.ofr", "b.igc", "--interval", "0")
+
+
+def a_flight_goes_on_when_the_disk_is_full(cli):
+    disk = cli.path("disk")
+    os.mkdir(disk)
+    if os.geteuid() != 0 or subprocess.run(["mount", "-t", "tmpfs", "-o", "size=16k", "tmpfs", disk],
+                                           stderr=subprocess.DEVNULL, check=False).returncode != 0:
+        raise Skip("no small disk: only who administers the machine can make one")
+    try:
+        run = cli.run("fly", *RECORDED, "--frames", "400", "--record", "disk/a.ofr", "--json")
+        expect(f"exit status, having said {run.err!r}", run.code, 1)
+        expect("frames", json.loads(run.out)["frames"], 400)
+        for part in ("No space left on device", "which goes on", "steps are missing in it"):
+            expect_in("message", part, run.err)
+        verdict = cli.json("replay", "disk/a.ofr", "--verify")
+        if not 0 < verdict["steps"] < 400 * 32 or not verdict["equal"]:
+            raise Fault(f"{verdict} of what is in the file")
+    finally:
+        subprocess.run(["umount", disk], check=True)
+
+
 CASES = [help_is_instant_and_complete, help_comes_even_with_a_damaged_file, wrong_usage_is_exit_2,
          a_wrong_kind_of_errors_is_told_the_right_ones,
          options_may_come_before_the_subcommand, a_damaged_file_is_named_with_its_line, sources_win_in_order, missing_files_are_named,
@@ -523,9 +732,12 @@ CASES = [help_is_instant_and_complete, help_comes_even_with_a_damaged_file, wron
          a_flight_repeats_in_lockstep, overlapped_stages_draw_what_lockstep_draws,
          pictures_are_spread_over_the_flight, without_a_display_it_says_how_to_get_a_window,
          an_old_opengl_is_named_beside_what_is_needed, signals_end_a_flight_cleanly,
-         a_flight_starts_in_the_air_wherever_it_is_asked_to, flights_are_converted,
+         a_flight_starts_in_the_air_wherever_it_is_asked_to, a_flight_may_start_on_the_ground,
+         an_aircraft_is_chosen_by_name_or_file, the_table_of_aircraft_is_the_documented_one, flights_are_converted,
          conversions_that_cannot_be_are_refused, a_flight_without_a_date_is_given_one, a_pipe_is_not_waited_for,
-         a_full_disk_is_an_error]
+         a_full_disk_is_an_error, a_recorded_flight_is_flown_again, another_flight_is_told_from_its_step_on,
+         a_damaged_recording_says_what_is_lost, replays_that_cannot_be_are_refused, a_recording_without_its_land_says_so,
+         films_have_their_frames_at_exact_times, a_recording_is_converted, a_flight_goes_on_when_the_disk_is_full]
 
 
 def main():

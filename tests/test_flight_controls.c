@@ -12,6 +12,7 @@
 #include "app/flight/flight_session.h"
 #include "app/flight/flight_settings.h"
 #include "app/pipeline/frame_times.h"
+#include "base/clock.h"
 #include "base/paths.h"
 #include "input/keyboard.h"
 #include "terrain/geodesy.h"
@@ -251,6 +252,58 @@ static void a_demo_reaches_its_places_without_touching_the_ground(void **state) 
     assert_true(lowest > 30.0);
 }
 
+// Re-simulation, as a replay needs it: the recorded controls again, over the real terrain; a machine under sanitizers
+// or many other jobs is given time.
+static void re_simulation_is_far_faster_than_time(void **state) {
+    (void)state;
+    static FlightSession session; // too big for some stacks
+    Options *options = NULL;
+    World world;
+    assert_int_equal(options_create(COMMAND_FLY, &options), RESULT_OK);
+    assert_int_equal(options_set(options, OPTION_DEMO, "yes", SOURCE_COMMAND_LINE, "test"), RESULT_OK);
+    assert_int_equal(world_load(options, &world), RESULT_OK);
+    assert_int_equal(session_create(&world, options, &session), RESULT_OK);
+    enum { STEPS = 120 * 120 };
+    static Controls flown[STEPS];
+    Flight again = session.flight;
+    for (int i = 0; i < STEPS; i++) {
+        flown[i] = demo_fly(&session.demo, &session.flight, STEP);
+        flight_step(&session.flight, &flown[i], STEP);
+    }
+    int64_t begin_ns = clock_now_ns();
+    for (int i = 0; i < STEPS; i++)
+        flight_step(&again, &flown[i], STEP);
+    double factor = STEPS * STEP / (1e-9 * (double)(clock_now_ns() - begin_ns));
+    print_message("%.0f times real time, %.2f us a step; hash %016llx\n", factor, 1e6 * STEP / factor,
+                  (unsigned long long)flight_state_hash(&again.state));
+    assert_true(flight_state_hash(&again.state) == flight_state_hash(&session.flight.state));
+    assert_true(factor > 200.0 && again.state.contact == FLIGHT_AIRBORNE);
+    world_unload(&world);
+    options_destroy(&options);
+}
+
+static void flaps_gear_brakes_and_trim_follow_their_keys(void **state) {
+    (void)state;
+    Keyboard keyboard = keyboard_create(0.0);
+    for (int i = 0; i < 5; i++)
+        keyboard_move_flaps(&keyboard, true);
+    assert_true(keyboard.controls.flaps == 1.0);
+    keyboard_move_flaps(&keyboard, false);
+    assert_true(fabs(keyboard.controls.flaps - 2.0 / 3.0) < 1e-12);
+    keyboard_set_gear(&keyboard, true);
+    keyboard_on_key(&keyboard, 'B', true, false);
+    keyboard_on_key(&keyboard, KEY_END, true, false);
+    Controls held = hold(&keyboard, 1.0);
+    assert_true(held.gear_up && held.brake_left == 1.0 && held.brake_right == 1.0);
+    assert_true(fabs(held.trim - 1.0 / KEYBOARD_TRIM_S) < 1e-6);
+    keyboard_on_key(&keyboard, 'B', false, false);
+    keyboard_on_key(&keyboard, KEY_END, false, false);
+    Controls later = hold(&keyboard, 1.0);
+    assert_true(later.brake_left == 0.0 && later.trim == held.trim);
+    assert_int_equal(action_of_key('G', true), ACTION_GEAR_DOWN);
+    assert_int_equal(action_of_key(']', false), ACTION_FLAPS_DOWN);
+}
+
 static void broken_demos_are_refused_with_file_and_line(void **state) {
     (void)state;
     static const struct {
@@ -316,6 +369,8 @@ int main(void) {
         cmocka_unit_test(a_method_that_cannot_come_is_told_once),
         cmocka_unit_test(the_corner_of_a_picture_sees_smaller_angles),
         cmocka_unit_test(a_demo_reaches_its_places_without_touching_the_ground),
+        cmocka_unit_test(re_simulation_is_far_faster_than_time),
+        cmocka_unit_test(flaps_gear_brakes_and_trim_follow_their_keys),
         cmocka_unit_test(broken_demos_are_refused_with_file_and_line),
         cmocka_unit_test(percentiles_are_of_the_latest_and_the_longest_of_all),
     };

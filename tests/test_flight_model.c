@@ -342,10 +342,12 @@ static void a_hard_touch_is_a_crash_and_starts_anew(void **state) {
     double ground = 300.0;
     for (size_t i = 0; i < COUNT_OF(flight_types); i++) {
         Aircraft a = flight_type(flight_types[i]);
-        Flight flight = flight_at(&a, 500.0, 0.0, -0.5, a.cruise_speed, (FlightGround){flight_flat, &ground});
+        Flight flight = flight_at(&a, 305.0, 0.0, 0.0, a.cruise_speed, (FlightGround){flight_flat, &ground});
+        Vec3d up = geodesy_up(FLIGHT_LAT, FLIGHT_LON);
+        flight.state.velocity_ecef = vec3d_mad(flight.state.velocity_ecef, up, -60.0);
         double before = energy(&flight);
         for (int k = 0; k < 120 * 60 && flight.state.contact != FLIGHT_CRASHED; k++)
-            flight_step(&flight, &(Controls){.elevator = -0.2}, FLIGHT_STEP_S);
+            flight_step(&flight, &(Controls){.elevator = -0.1}, FLIGHT_STEP_S);
         assert_int_equal(flight.state.contact, FLIGHT_CRASHED);
         assert_true(vec3d_length(flight.state.velocity_ecef) == 0.0 && energy(&flight) < before);
         flight_on(&flight, (Controls){.throttle = 0.5}, FLIGHT_RESET_S + 0.02);

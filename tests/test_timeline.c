@@ -53,6 +53,25 @@ static void test_it_stays_at_its_ends_and_begins_again_from_the_other(void **sta
     assert_true(nothing.t_s == 0.0 && nothing.duration_s == 0.0 && timeline_is_at_end(&nothing));
 }
 
+// As films need it: frame i at i / fps, none after the end, whatever was rounded on the way.
+static void test_frames_are_where_they_belong_and_none_too_many(void **state) {
+    (void)state;
+    static const double FPS[] = {24.0, 25.0, 30.0, 60.0, 1000.0}, SECONDS[] = {0.5, 1.0, 10.0, 61.7, 3600.0};
+    for (size_t f = 0; f < COUNT_OF(FPS); f++)
+        for (size_t s = 0; s < COUNT_OF(SECONDS); s++) {
+            Timeline timeline = timeline_create(SECONDS[s]);
+            int64_t frames = 0, expected = (int64_t)ceil(SECONDS[s] * FPS[f] - 1e-6);
+            for (; !timeline_is_at_end(&timeline); frames++) {
+                if (fabs(timeline.t_s - (double)frames / FPS[f]) > 1e-12 * SECONDS[s])
+                    fail_msg("%g fps: frame %lld at %.17g s", FPS[f], (long long)frames, timeline.t_s);
+                timeline_advance(&timeline, 1.0 / FPS[f]);
+            }
+            if (frames != expected)
+                fail_msg("%g s, %g fps: %lld frames, expected %lld", SECONDS[s], FPS[f], (long long)frames,
+                         (long long)expected);
+        }
+}
+
 static void test_times_are_read_as_people_write_them(void **state) {
     (void)state;
     static const struct {
@@ -102,6 +121,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_time_goes_as_fast_and_which_way_it_is_told),
         cmocka_unit_test(test_it_stays_at_its_ends_and_begins_again_from_the_other),
+        cmocka_unit_test(test_frames_are_where_they_belong_and_none_too_many),
         cmocka_unit_test(test_times_are_read_as_people_write_them),
         cmocka_unit_test(test_times_are_written_when_they_are_reached),
         cmocka_unit_test(test_keys_of_a_replay_are_those_of_its_table),

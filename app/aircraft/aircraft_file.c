@@ -1,6 +1,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "app/aircraft/aircraft.h"
 #include "app/aircraft/aircraft_table.h"
+#include "app/aircraft/airframe.h"
+#include "app/aircraft/isa.h"
 #include "base/log.h"
 #include "config/files.h"
 #include "config/ini_read.h"
@@ -16,7 +18,9 @@
 #include <string.h>
 
 #define RAD_PER_DEG (3.14159265358979323846 / 180.0)
-#define PLACE_MOST 200.0 // m: of parts of an aircraft from its centre of gravity
+#define AIR_RATE_MOST 200.0 // 1/s: what the air may do to the motion at the never-exceed speed; steps are 1/120 s
+#define LEG_RATE_MOST 400.0 // 1/s: of a leg's spring or damper on the mass that it moves
+#define PLACE_MOST 200.0    // m: of parts of an aircraft from its centre of gravity
 
 typedef enum Form { FORM_NUMBER, FORM_PLACE, FORM_TEXT, FORM_ENGINE } Form;
 
@@ -248,6 +252,31 @@ static Result check_inertia(const char *path, const Aircraft *a) {
     return RESULT_FORMAT;
 }
 
+// The simulation's steps must be able to follow.
+static Result check_rates(const char *path, const Aircraft *a) {
+    double air = airframe_stiffness(a, ISA_DENSITY_0, a->never_exceed_speed);
+    if (air > AIR_RATE_MOST) {
+        log_error(
+            "%s: at the never-exceed speed the air would turn or brake the aircraft at a rate of %.0f 1/s; expected "
+            "%.0f at most: mass or moments of inertia are too small for the wing, or a derivative too large",
+            path, air, AIR_RATE_MOST);
+        return RESULT_FORMAT;
+    }
+    for (int i = 0; i < a->leg_count; i++) {
+        const AircraftLeg *leg = &a->legs[i];
+        double moved = 1.0 / (1.0 / a->mass + leg->x * leg->x / a->iyy + leg->y * leg->y / a->ixx);
+        double rate = fmax(sqrt(leg->stiffness / moved), leg->damping / moved);
+        if (rate > LEG_RATE_MOST) {
+            log_error(
+                "%s: [leg %s] springs or damps at a rate of %.0f 1/s; expected %.0f at most: lower 'stiffness' or "
+                "'damping'",
+                path, leg->name, rate, LEG_RATE_MOST);
+            return RESULT_FORMAT;
+        }
+    }
+    return RESULT_OK;
+}
+
 static Result derive(const char *path, Aircraft *aircraft) {
     Result result = aircraft_derive(aircraft);
     if (result == RESULT_RANGE)
@@ -275,6 +304,8 @@ Result aircraft_read(const char *path, Aircraft *out) {
         result = check_legs(path, &reading);
     if (result == RESULT_OK)
         result = check_inertia(path, &reading.aircraft);
+    if (result == RESULT_OK)
+        result = check_rates(path, &reading.aircraft);
     if (result == RESULT_OK)
         result = derive(path, &reading.aircraft);
     if (result != RESULT_OK)

@@ -145,3 +145,14 @@ AirframeLoad airframe_load(const Aircraft *aircraft, const AirframeFlow *in) {
     load.moment_alpha_dot = vec3d(0.0, lag * aircraft->chord * aircraft->cm_alpha_dot, 0.0);
     return load;
 }
+
+double airframe_stiffness(const Aircraft *a, double density, double speed) {
+    double flow = 0.5 * density * speed * a->area;
+    double roll = 0.5 * flow * a->span * a->span * -a->cr_p / a->ixx;
+    double pitch = 0.5 * flow * a->chord * a->chord * -(a->cm_q + a->cm_alpha_dot) / a->iyy;
+    double yaw = 0.5 * flow * a->span * a->span * -a->cn_r / a->izz;
+    double nod = flow * speed * a->chord * fabs(a->cm_alpha) / a->iyy;
+    double swing = sqrt(fmax(nod, flow * speed * a->span * fabs(a->cn_beta) / a->izz));
+    double drag = flow * (2.0 * a->cd_plate + a->cl_alpha) / a->mass;
+    return fmax(fmax(fmax(roll, pitch), fmax(yaw, swing)), drag);
+}

@@ -31,5 +31,8 @@ void airframe_angles(Vec3d air_body, double *alpha_rad, double *beta_rad);
 // What is left of the induced drag at this height: McCormick, Aerodynamics, Aeronautics and Flight Mechanics,
 // Wiley 1979, on the ground effect.
 double airframe_ground_effect(const Aircraft *aircraft, double wing_above_m);
+// The fastest rate at which the air changes the motion, 1/s: damping of roll, pitch and yaw, the frequencies of pitch
+// and yaw, drag at any angle. An explicit integration's step must be shorter than its inverse.
+double airframe_stiffness(const Aircraft *aircraft, double density, double speed_m_s);
 // Speed of the stall at a density, load factor 1, elevator neutral: sqrt(2 W / (density S CLmax)).
 double airframe_stall_speed(const Aircraft *aircraft, double density, double flaps);

@@ -1,40 +1,69 @@
 #define _POSIX_C_SOURCE 200809L
 #include "app/commands/command.h"
+#include "app/flight/flight_session.h"
 #include "app/json.h"
+#include "app/replay/replay_scene.h"
 #include "app/scene_load.h"
 #include "app/track/track_format.h"
 #include "app/track/track_time.h"
 #include "base/log.h"
+#include "config/files.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
-#include <sys/stat.h>
+#include <string.h>
+#include <strings.h>
 
 typedef struct Convert {
     const Options *options;
     const char *in, *out;
     const TrackFormat *from, *to;
+    World world; // of a recording
     Geoid *geoid;
     Track track;
 } Convert;
 
+#define RECORDING_ENDING ".ofr"
+#define INTERVAL_S 0.5
+#define INTERVAL_IGC_S 1.0 // which has whole seconds
+
+// A row of its own beside the tracks: it is flown again rather than read, and made by flying alone.
+static const TrackFormat recording = {.name = "ofr",
+                                      .ending = RECORDING_ENDING,
+                                      .what = "recording of overfly, flown again",
+                                      .wants_geoid = true,
+                                      .has_attitude = true};
+
+static Result find_format_to(Convert *c) {
+    size_t length = strlen(c->out), ending = strlen(RECORDING_ENDING);
+    if (length < ending || strcasecmp(c->out + length - ending, RECORDING_ENDING) != 0)
+        return track_format_of_ending(c->out, &c->to);
+    log_error("%s: a recording holds what the pilot did at every step, which no track tells; recordings are made by "
+              "flying: overfly fly --record %s",
+              c->out, c->out);
+    return RESULT_USAGE;
+}
+
 static Result check_names(Convert *c) {
-    struct stat in, out;
     if (options_positional_count(c->options) != 2) {
         log_error("convert: expected two files: the flight to read, and what to write it as");
         return RESULT_USAGE;
     }
     c->in = options_positionals(c->options)[0];
     c->out = options_positionals(c->options)[1];
-    Result result = track_format_of_ending(c->out, &c->to);
+    Result result = find_format_to(c);
     if (result != RESULT_OK)
         return result;
-    if (stat(c->in, &in) == 0 && stat(c->out, &out) == 0 && in.st_dev == out.st_dev && in.st_ino == out.st_ino) {
+    if (files_are_same(c->in, c->out)) {
         log_error("%s: is the file that is read; name another to write", c->out);
         return RESULT_USAGE;
     }
-    return track_format_of_file(c->in, &c->from);
+    c->from = &recording;
+    return playback_is_recording(c->in) ? RESULT_OK : track_format_of_file(c->in, &c->from);
 }
+
+// ---- reading ----
 
 static Result read_start(const Options *options, double *start_unix_s) {
     const char *text = options_text(options, OPTION_START);
@@ -43,6 +72,38 @@ static Result read_start(const Options *options, double *start_unix_s) {
         return RESULT_OK;
     log_error("%s: found '%s'; expected a time as 2024-06-01T12:00:00Z", options_where(options, OPTION_START), text);
     return RESULT_USAGE;
+}
+
+static double interval_s(const Convert *c) {
+    if (options_is_set(c->options, OPTION_INTERVAL))
+        return options_number(c->options, OPTION_INTERVAL);
+    return strcmp(c->to->name, "igc") == 0 ? INTERVAL_IGC_S : INTERVAL_S;
+}
+
+static void warn_of_difference(const Convert *c, const Playback *playback) {
+    char when[RECORDING_TIME_BYTES];
+    int64_t step = playback_first_difference(playback);
+    if (step >= 0)
+        log_warn("%s: flown again it is another flight from step %" PRId64 " on (%s): what is written is what was "
+                 "flown now",
+                 c->in, step, recording_time_text((uint64_t)step, RECORDING_STEPS_PER_S, when));
+}
+
+static Result fly_again(Convert *c, TrackReading how) {
+    Playback *playback = NULL;
+    Result result = replay_check_scene(c->options, c->in);
+    if (result == RESULT_OK)
+        result = replay_load_scene(c->options, c->in, &c->world);
+    if (result != RESULT_OK)
+        return result;
+    const PlaybackOptions options = {how, session_ground(&c->world), dem_hash(terrain_dem(c->world.terrain))};
+    result = playback_open(c->in, &options, &playback);
+    if (result == RESULT_OK)
+        result = playback_track(playback, interval_s(c), &c->track);
+    if (result == RESULT_OK)
+        warn_of_difference(c, playback);
+    playback_close(&playback);
+    return result;
 }
 
 static Result read_track(Convert *c) {
@@ -57,7 +118,7 @@ static Result read_track(Convert *c) {
     how.object = options_text(c->options, OPTION_OBJECT);
     if (options_is_set(c->options, OPTION_IGC_ALT))
         how.igc_alt = (TrackIgcAlt)options_choice(c->options, OPTION_IGC_ALT);
-    result = c->from->read(c->in, &how, &c->track);
+    result = c->from == &recording ? fly_again(c, how) : c->from->read(c->in, &how, &c->track);
     if (result == RESULT_OK && isfinite(start_unix_s))
         c->track.start_unix_s = start_unix_s;
     return result;
@@ -138,6 +199,7 @@ Result cmd_convert(const Options *options) {
     else if (result == RESULT_OK && !options_flag(options, OPTION_QUIET))
         print_text(&convert);
     track_clear(&convert.track);
+    world_unload(&convert.world);
     geoid_close(&convert.geoid);
     return result;
 }

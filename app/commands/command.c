@@ -5,6 +5,7 @@
 
 const Command command_table[] = {
     {COMMAND_FLY, "fly", "[SCENE|DEM]...", -1, "fly over a terrain, in a window or without one", cmd_fly},
+    {COMMAND_DEMO, "demo", "list|NAME|FILE [SCENE|DEM]...", -1, "fly a demonstration, also on a stand", cmd_demo},
     {COMMAND_REPLAY, "replay", "TRACK [SCENE|DEM]...", -1, "fly a recorded flight again, or film it", cmd_replay},
     {COMMAND_SNAPSHOT, "snapshot", "[SCENE|DEM]...", -1, "one picture, without a window", cmd_snapshot},
     {COMMAND_MESH, "mesh", "[SCENE|DEM]...", -1, "measure the triangles for one view, and write them to a file",
@@ -19,6 +20,8 @@ const Command command_table[] = {
      cmd_convert},
     {COMMAND_DEVICES, "devices", "", 0, "joysticks and gamepads: their nodes, permissions, and what they say",
      cmd_devices},
+    {COMMAND_AIRCRAFT, "aircraft", "[NAME|FILE]...", -1,
+     "list the aircraft; of those named, set the simulation against theory and what is published", cmd_aircraft},
     {COMMAND_CONFIG, "config", "[SUBCOMMAND]", 1, "show the effective options and where each came from", cmd_config},
     {0},
 };

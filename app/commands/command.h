@@ -22,6 +22,7 @@ extern const Command command_table[];
 const Command *command_find(const char *name); // NULL: no such subcommand
 
 CommandRun cmd_fly;
+CommandRun cmd_demo;
 CommandRun cmd_replay;
 CommandRun cmd_snapshot;
 CommandRun cmd_mesh;
@@ -30,4 +31,5 @@ CommandRun cmd_reproduce;
 CommandRun cmd_info;
 CommandRun cmd_convert;
 CommandRun cmd_devices;
+CommandRun cmd_aircraft;
 CommandRun cmd_config;

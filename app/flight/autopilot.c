@@ -25,6 +25,7 @@
 #define HEIGHT_RATE 0.2
 #define PATH_RATE 0.8
 #define PITCH_RATE 2.5
+#define ALPHA_RATE 2.0
 #define PITCH_INTEGRAL 2.0
 #define HEADING_RATE 0.25
 #define BANK_RATE 1.0
@@ -47,6 +48,7 @@ typedef struct Now {
     double p, q, r;                         // rad/s
     double roll_each, pitch_each, yaw_each; // rad/s^2 of full controls
     double roll_damping;                    // 1/s, < 0
+    double pitch_steady;                    // share of the elevator that a steady rad/s of pitch takes
     double yaw_stiffness;                   // rad/s^2 for each radian of sideslip
     double stall_speed, full_thrust, drag;  // of the flight as it is
 } Now;
@@ -64,6 +66,10 @@ static Now look(const Flight *flight) {
     now.pitch_each = pressure * a->chord * -a->cm_elevator * a->elevator_rad / a->iyy;
     now.yaw_each = pressure * a->span * -a->cn_rudder * a->rudder_rad / a->izz;
     now.roll_damping = 0.5 * flow * a->span * a->span * a->cr_p / a->ixx;
+    // Against damping, and against the stability that the load's angle of attack calls forth.
+    double angle = now.speed * a->mass / (pressure * a->cl_alpha);
+    double moment = 0.5 * flow * a->chord * a->chord * a->cm_q + pressure * a->chord * a->cm_alpha * angle;
+    now.pitch_steady = -moment / (a->iyy * fmax(now.pitch_each, 1.0));
     now.yaw_stiffness = pressure * a->span * a->cn_beta / a->izz;
     now.stall_speed = airframe_stall_speed(a, air.density, flight->state.flaps);
     double engine = propulsion_steady(a, &air, now.speed, 1.0);
@@ -88,15 +94,21 @@ static double turn_load(const Now *now) {
     return cos(now->at.path_rad) / fmax(fabs(bank_cos), 0.4) * (bank_cos < 0.0 ? -1.0 : 1.0);
 }
 
-// Elevator for a rate of pitch, kept from the stall.
+// What gravity leaves of the load: where it is carried by no more, the path is straight.
+static double level_load(const Now *now) {
+    return cos(now->at.bank_rad) * cos(now->at.pitch_rad);
+}
+
+// Elevator for a rate of pitch, kept from the stall: the nose rises no faster than the path, once near it.
 static double hold_pitch_rate(Autopilot *autopilot, const Flight *flight, const Now *now, double wanted, double dt_s) {
     const Aircraft *a = flight->aircraft;
     double stall = a->stall_rad + flight->state.flaps * (a->stall_flaps_rad - a->stall_rad);
-    double most = 1.5 * (STALL_SHARE * stall - now->at.alpha_rad) + now->q - 0.0;
-    double off = fmin(wanted, fmax(most, -1.0)) - now->q;
+    double path_rate = GRAVITY / now->speed * (now->at.load_factor - level_load(now));
+    double most = ALPHA_RATE * (STALL_SHARE * stall - now->at.alpha_rad) + path_rate;
+    double rate = fmin(wanted, fmax(most, -1.0)), off = rate - now->q;
     double each = fmax(now->pitch_each, 1.0);
     autopilot->elevator = clamp(autopilot->elevator + PITCH_RATE * PITCH_INTEGRAL * off / each * dt_s, -1.0, 1.0);
-    return clamp(autopilot->elevator + PITCH_RATE * off / each, -1.0, 1.0);
+    return clamp(autopilot->elevator + now->pitch_steady * rate + PITCH_RATE * off / each, -1.0, 1.0);
 }
 
 // Elevator for a path: its rate asks for load, load for a rate of pitch.
@@ -104,7 +116,7 @@ static double hold_path(Autopilot *autopilot, const Flight *flight, const Now *n
     double bank_cos = fmax(fabs(cos(now->at.bank_rad)), 0.4);
     double load = turn_load(now) + now->speed * PATH_RATE * (path_rad - now->at.path_rad) / (GRAVITY * bank_cos);
     load = clamp(load, LOAD_LEAST, LOAD_MOST);
-    double rate = GRAVITY / now->speed * (load - cos(now->at.bank_rad) * cos(now->at.pitch_rad));
+    double rate = GRAVITY / now->speed * (load - level_load(now));
     return hold_pitch_rate(autopilot, flight, now, rate, dt_s);
 }
 
@@ -211,8 +223,10 @@ static double wanted_height(const Flight *flight, const Waypoint *to, double cle
 Controls autopilot_fly(Autopilot *autopilot, const Flight *flight, const Waypoint *to, double clearance_m,
                        double dt_s) {
     Geodetic place = geodesy_from_ecef(flight->state.position_ecef);
+    const Aircraft *a = flight->aircraft;
+    double fastest = a->engine == AIRCRAFT_GLIDER ? a->cruise_speed : 0.9 * a->never_exceed_speed;
     AutopilotWish wish = {.height_m = wanted_height(flight, to, clearance_m),
-                          .speed_m_s = fmin(to->speed_m_s, 0.9 * flight->aircraft->never_exceed_speed),
+                          .speed_m_s = fmin(to->speed_m_s, fastest),
                           .bank_max_rad = WAYPOINT_BANK};
     double distance_m;
     autopilot_course(place.lat_rad, place.lon_rad, to, &distance_m, &wish.heading_rad);
@@ -237,23 +251,28 @@ bool autopilot_has_reached(const Flight *flight, const Waypoint *to) {
 #define ASSIST_SIDESLIP 0.17  // rad at full rudder
 #define ASSIST_LEVEL 0.09     // rad of bank that go back to level
 #define ASSIST_STEEP 1.2      // rad of path beyond which nothing is held
+#define ASSIST_STRAIGHT 0.12  // g off the load of a straight path
 #define STICK_FREE 1e-3
 
+// The rate of pitch of a turn that holds its path; none where that means nothing.
+static double turning_rate(const Now *now) {
+    bool steep = fabs(now->at.path_rad) > 0.8 || fabs(now->at.bank_rad) > 1.3;
+    return steep ? 0.0 : GRAVITY / now->speed * (turn_load(now) - level_load(now));
+}
+
 static double assist_pitch(Autopilot *autopilot, const Flight *flight, const Now *now, double stick, double dt_s) {
-    if (fabs(stick) > STICK_FREE || fabs(now->at.path_rad) > ASSIST_STEEP) {
+    bool bends = !autopilot->holds_path && fabs(now->at.load_factor - turn_load(now)) > ASSIST_STRAIGHT;
+    if (fabs(stick) > STICK_FREE || fabs(now->at.path_rad) > ASSIST_STEEP || bends) {
         double most = fmin(ASSIST_PITCH_MOST, ASSIST_LOAD * GRAVITY / now->speed);
-        double turn = GRAVITY / now->speed * (turn_load(now) - cos(now->at.bank_rad) * cos(now->at.pitch_rad));
-        bool steep = fabs(now->at.path_rad) > 0.8 || fabs(now->at.bank_rad) > 1.3;
-        autopilot->holds_path = false;
-        return hold_pitch_rate(autopilot, flight, now, stick * most + (steep ? 0.0 : turn), dt_s);
+        autopilot->holds_path = fabs(stick) > STICK_FREE ? false : autopilot->holds_path;
+        return hold_pitch_rate(autopilot, flight, now, stick * most + turning_rate(now), dt_s);
     }
     if (!autopilot->holds_path) {
         autopilot->holds_path = true;
         autopilot->held_path_rad = now->at.path_rad;
     }
-    double most = flight->aircraft->engine == AIRCRAFT_GLIDER || now->at.true_airspeed < SPEED_LEAST * now->stall_speed
-                      ? steepest_path(flight, now)
-                      : INFINITY;
+    bool slow = now->at.true_airspeed < SPEED_LEAST * now->stall_speed;
+    double most = slow || flight->aircraft->engine == AIRCRAFT_GLIDER ? steepest_path(flight, now) : INFINITY;
     return hold_path(autopilot, flight, now, fmin(autopilot->held_path_rad, most), dt_s);
 }
 

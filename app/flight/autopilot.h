@@ -30,7 +30,7 @@ typedef struct Waypoint {
 } Waypoint;
 
 // Controls for this moment: towards the waypoint, at its height and speed, `clearance_m` above the ground ahead or
-// more.
+// more, as far as the engine can; a glider at its cruise speed, as far as its height carries it.
 Controls autopilot_fly(Autopilot *autopilot, const Flight *flight, const Waypoint *to, double clearance_m, double dt_s);
 // Whether the waypoint is near enough to fly on to the next, or lies inside the turn that would lead back to it.
 bool autopilot_has_reached(const Flight *flight, const Waypoint *to);

@@ -4,16 +4,17 @@
 #include "terrain/geodesy.h"
 
 #include <math.h>
+#include <string.h>
 
-#define CHASE_BEHIND_M 45.0
-#define CHASE_ABOVE_M 14.0
+#define CHASE_BEHIND_M 26.0
+#define CHASE_ABOVE_M 7.0
 #define EYE_CLEARANCE_M 1.0
 #define LOOK_RIGHT_RAD 2.1
 #define LOOK_UP_RAD 1.0
-#define FLY_BY_AHEAD_S 4.0 // of flight: where the eye waits,
+#define FLY_BY_AHEAD_S 3.0 // of flight: where the eye waits,
 #define FLY_BY_AHEAD_MIN_M 60.0
 #define FLY_BY_AHEAD_MAX_M 500.0
-#define FLY_BY_ASIDE 0.22 // of that way, to the right of it
+#define FLY_BY_ASIDE 0.18 // of that way, to the right of it
 #define FLY_BY_ABOVE_M 3.0
 #define FLY_BY_PAST 1.3 // times as far as it was when the eye was placed: the next place
 #define MAP_HEIGHT_MIN_M 4000.0
@@ -28,6 +29,15 @@ const char *camera_view_name(CameraView view) {
     static const char *const names[CAMERA_VIEW_COUNT] = {"cockpit", "chase", "fly-by", "map", "free",
                                                          "right",   "back",  "left",   "down"};
     return names[view];
+}
+
+bool camera_view_find(const char *name, CameraView *out) {
+    for (int i = 0; i < CAMERA_VIEW_COUNT; i++)
+        if (strcmp(camera_view_name((CameraView)i), name) == 0) {
+            *out = (CameraView)i;
+            return true;
+        }
+    return false;
 }
 
 bool camera_is_outside(CameraView view) {

@@ -17,8 +17,9 @@ typedef enum CameraView {
     CAMERA_DOWN,
     CAMERA_VIEW_COUNT
 } CameraView;
-const char *camera_view_name(CameraView view); // "cockpit"
-bool camera_is_outside(CameraView view);       // the aircraft is seen from without, if it is in sight
+const char *camera_view_name(CameraView view);            // "cockpit"
+bool camera_view_find(const char *name, CameraView *out); // false: no such view
+bool camera_is_outside(CameraView view);                  // the aircraft is seen from without, if it is in sight
 
 // What the views that do not hang on the aircraft remember.
 typedef struct CameraRig {

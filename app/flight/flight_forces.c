@@ -140,15 +140,9 @@ FlightMotion flight_motion(const Flight *flight, const FlightState *state, const
     return out;
 }
 
-// Damping of roll, pitch and yaw, the frequencies of pitch and yaw, drag at any angle, the propeller.
 double flight_stiffness(const Flight *flight, const FlightStepSetting *setting) {
-    const Aircraft *a = flight->aircraft;
-    const FlightState *s = &flight->state;
-    double density = isa_at(setting->origin_h_m).density;
-    double v = vec3d_length(vec3d_sub(s->velocity_ecef, flight->wind_ecef)), flow = 0.5 * density * v * a->area;
-    double roll = 0.5 * flow * a->span * a->span * -a->cr_p / a->ixx;
-    double pitch = 0.5 * flow * a->chord * a->chord * -(a->cm_q + a->cm_alpha_dot) / a->iyy;
-    double swing = sqrt(flow * v * fmax(a->chord * fabs(a->cm_alpha) / a->iyy, a->span * fabs(a->cn_beta) / a->izz));
-    double drag = flow * (2.0 * a->cd_plate + a->cl_alpha) / a->mass;
-    return fmax(fmax(roll, pitch), fmax(swing, drag)) + vec3d_length(s->rate_body);
+    const FlightState *state = &flight->state;
+    double speed = vec3d_length(vec3d_sub(state->velocity_ecef, flight->wind_ecef));
+    return airframe_stiffness(flight->aircraft, isa_at(setting->origin_h_m).density, speed) +
+           vec3d_length(state->rate_body);
 }

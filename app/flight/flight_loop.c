@@ -31,9 +31,13 @@ static void on_resize(void *user, int width, int height) {
     }
 }
 
+static bool has_demo(const FlightSession *session) {
+    return session->demo.count > 0 || session->demo.stick;
+}
+
 static bool is_over(const FlightLoop *loop, int64_t ordered) {
     bool demo_over =
-        !loop->window && loop->frames == 0 && loop->session->demo.count > 0 && demo_is_over(&loop->session->demo);
+        !loop->window && loop->frames == 0 && has_demo(loop->session) && demo_is_over(&loop->session->demo);
     bool replay_over = !loop->window && loop->frames == 0 && loop->session->playback &&
                        timeline_is_at_end(&loop->session->timeline) && ordered > 0;
     return (loop->frames > 0 && ordered >= loop->frames) || loop->session->leave_wanted || demo_over || replay_over ||
@@ -52,7 +56,7 @@ static int64_t expected_frames(const FlightLoop *loop) {
         return loop->frames;
     if (session->playback)
         return (int64_t)(timeline_left_s(&session->timeline) / frame_s(loop)) + 1;
-    if (session->demo.count == 0)
+    if (!has_demo(session))
         return (int64_t)loop->picture_count * PICTURE_SPACING;
     FlightInstruments now = flight_instruments(&session->flight);
     double duration_s = demo_duration_s(&session->demo, now.lat_rad, now.lon_rad);
@@ -133,6 +137,8 @@ static Result fly_frames(FlightLoop *loop) {
             context_poll_events(loop->context);
         loop->session->now_ns = loop->window && !loop->lockstep ? last_ns : 0;
         session_advance(loop->session, passed_s);
+        if ((!loop->window || loop->lockstep) && loop->session->recorder)
+            recorder_wait(loop->session->recorder);
     }
     bool picture_due = loop->screenshot && !(loop->frames > 0 && index >= loop->frames);
     return picture_due ? draw_last_picture(loop) : RESULT_OK;

@@ -195,20 +195,32 @@ static void start_in_flight(Flight *flight, const FlightStart *start) {
     take_state(flight, start, h_m, &trim);
 }
 
-// Put down on the plane below, and left alone with its brakes until it has settled.
-static bool start_on_ground(Flight *flight, const FlightStart *start) {
-    const Aircraft *a = flight->aircraft;
-    double ground_m, lowest = 0.0;
-    if (!flight->ground.height ||
-        !flight->ground.height(flight->ground.user, start->lat_rad, start->lon_rad, &ground_m))
-        return false;
+// The smallest turn that brings one unit vector to another, not opposite, one.
+static Quatd turn_between(Vec3d from, Vec3d to) {
+    Vec3d axis = vec3d_cross(from, to);
+    return quatd_normalize((Quatd){1.0 + vec3d_dot(from, to), axis.x, axis.y, axis.z});
+}
+
+// With its wheels on the plane below.
+static void put_down(FlightState *state, const Aircraft *a, Vec3d up, Vec3d point, Vec3d normal) {
+    double lowest = 0.0;
     for (int i = 0; i < a->leg_count; i++)
         lowest = fmax(lowest, a->legs[i].z);
+    state->ecef_from_body = quatd_normalize(quatd_mul(turn_between(up, normal), state->ecef_from_body));
+    state->position_ecef = vec3d_mad(point, normal, lowest);
+    state->gear = 1.0;
+}
+
+// Put down, and left alone with its brakes until it has settled.
+static bool start_on_ground(Flight *flight, const FlightStart *start) {
     FlightStart standing = *start;
-    standing.speed_m_s = standing.pitch_rad = 0.0;
     Trim still = {.alpha_rad = 0.0};
-    take_state(flight, &standing, ground_m + lowest, &still);
-    flight->state.gear = 1.0;
+    Vec3d point, normal, up = geodesy_up(start->lat_rad, start->lon_rad);
+    standing.speed_m_s = standing.pitch_rad = 0.0;
+    take_state(flight, &standing, start->h_m, &still);
+    if (!flight_ground_plane(&flight->ground, flight->state.position_ecef, &point, &normal))
+        return false;
+    put_down(&flight->state, flight->aircraft, up, point, normal);
     flight->controls = (Controls){.throttle = 0.0};
     Controls braked = {.brake_left = 1.0, .brake_right = 1.0};
     for (int i = 0; i < (int)(SETTLE_S / FLIGHT_STEP_S) && flight->state.contact != FLIGHT_CRASHED; i++)

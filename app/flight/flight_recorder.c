@@ -12,6 +12,7 @@
 
 #define NAME_BYTES 64
 #define SAME_SECOND_MAX 100
+#define UNWRITTEN_STEPS_MAX (RECORDING_KEPT_STEPS / 2) // a frame at the fastest rate of time is far less than the rest
 #define FOLDER "recordings"
 
 struct FlightRecorder {
@@ -19,6 +20,7 @@ struct FlightRecorder {
     char path[PATHS_BYTES_MAX]; // "": memory only
     char saved[PATHS_BYTES_MAX];
     bool saving, failure_said;
+    uint32_t waited; // steps that are in the file for certain
 };
 
 // ---- what is recorded of where and what ----
@@ -38,16 +40,6 @@ uint64_t flight_recording_aircraft_hash(const Aircraft *aircraft) {
     return (hash ^ (uint64_t)aircraft->engine) * UINT64_C(1099511628211);
 }
 
-// The words of the command line that name it; none of them: the default scene.
-static void set_scene(RecordingHeader *header, const Options *options) {
-    char names[RECORDING_VALUE_BYTES] = "";
-    size_t length = 0;
-    for (int i = 0; i < options_positional_count(options) && length < sizeof names; i++)
-        length += (size_t)snprintf(names + length, sizeof names - length, "%s%s", i ? "|" : "",
-                                   options_positionals(options)[i]);
-    recording_header_set(header, RECORDING_SCENE, "%s", names);
-}
-
 static void set_time(RecordingHeader *header) {
     char when[NAME_BYTES];
     time_t now = time(NULL);
@@ -56,15 +48,16 @@ static void set_time(RecordingHeader *header) {
         recording_header_set(header, RECORDING_START_UTC, "%s", when);
 }
 
-void flight_recording_header(const World *world, const Options *options, const Flight *flight, RecordingHeader *out) {
+void flight_recording_header(const World *world, const RecordedFlight *flown, RecordingHeader *out) {
     const Dem *dem = terrain_dem(world->terrain);
+    const Flight *flight = flown->flight;
     *out = recording_header_create(FLIGHT_STATE_BYTES, FLIGHT_STATE_LAYOUT);
     recording_header_set(out, RECORDING_PROGRAM, "overfly %s", version_text());
-    set_scene(out, options);
+    recording_header_set(out, RECORDING_SCENE, "%s", world->names);
     set_time(out);
     recording_header_set(out, RECORDING_DEM, "%s", dem->file);
     recording_header_set(out, RECORDING_DEM_HASH, "%016llx", (unsigned long long)dem_hash(dem));
-    recording_header_set(out, RECORDING_AIRCRAFT, "%s", flight->aircraft->id);
+    recording_header_set(out, RECORDING_AIRCRAFT, "%s", flown->aircraft);
     recording_header_set(out, RECORDING_AIRCRAFT_HASH, "%016llx",
                          (unsigned long long)flight_recording_aircraft_hash(flight->aircraft));
     recording_header_set(out, RECORDING_WEATHER, "wind %.17g %.17g %.17g m/s ECEF", flight->wind_ecef.x,
@@ -80,7 +73,7 @@ void flight_recording_weather(const RecordingHeader *header, Flight *flight) {
 
 // ---- recording ----
 
-Result recorder_create(const World *world, const Options *options, const Flight *flight, FlightRecorder **out) {
+Result recorder_create(const World *world, const Options *options, const RecordedFlight *flown, FlightRecorder **out) {
     const char *path = options_text(options, OPTION_RECORD);
     uint8_t state[FLIGHT_STATE_BYTES];
     RecordingHeader header;
@@ -91,8 +84,8 @@ Result recorder_create(const World *world, const Options *options, const Flight 
     }
     if (path)
         snprintf(recorder->path, sizeof recorder->path, "%s", path);
-    flight_recording_header(world, options, flight, &header);
-    flight_state_pack(&flight->state, state);
+    flight_recording_header(world, flown, &header);
+    flight_state_pack(&flown->flight->state, state);
     Result result = recording_writer_create(&header, path, state, &recorder->writer);
     if (result == RESULT_OK)
         *out = recorder;
@@ -189,6 +182,14 @@ void recorder_news(FlightRecorder *recorder, char message[RECORDER_MESSAGE_BYTES
     recorder->failure_said = failed;
     if (recorder->saving)
         tell_saving(recorder, message);
+}
+
+void recorder_wait(FlightRecorder *recorder) {
+    uint32_t steps = recording_writer_steps(recorder->writer);
+    if (steps - recorder->waited < UNWRITTEN_STEPS_MAX)
+        return;
+    recording_writer_wait(recorder->writer);
+    recorder->waited = steps;
 }
 
 const char *recorder_path(const FlightRecorder *recorder) {

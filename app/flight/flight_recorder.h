@@ -17,15 +17,22 @@
 
 typedef struct FlightRecorder FlightRecorder;
 
+// What is flown.
+typedef struct RecordedFlight {
+    const Flight *flight;
+    const char *aircraft; // what aircraft_load finds it by
+} RecordedFlight;
+
 // What a replay needs to know of where and what is flown.
-void flight_recording_header(const World *world, const Options *options, const Flight *flight, RecordingHeader *out);
+void flight_recording_header(const World *world, const RecordedFlight *flown, RecordingHeader *out);
 
 uint64_t flight_recording_aircraft_hash(const Aircraft *aircraft);
 // The wind that a recording was flown in; none where it says nothing.
 void flight_recording_weather(const RecordingHeader *header, Flight *flight);
 
-// --record: the file; else memory only. Errors of recording_writer_create.
-MUST_USE Result recorder_create(const World *world, const Options *options, const Flight *flight, FlightRecorder **out);
+// --record: the file; else memory only. Borrows nothing afterwards. Errors of recording_writer_create.
+MUST_USE Result recorder_create(const World *world, const Options *options, const RecordedFlight *flown,
+                                FlightRecorder **out);
 // Finishes the file. IO: not all of the flight is in it; logged.
 MUST_USE Result recorder_close(FlightRecorder **recorder);
 
@@ -38,6 +45,9 @@ void recorder_tell(FlightRecorder *recorder, RecordingEventKind what);
 void recorder_save(FlightRecorder *recorder, char message[RECORDER_MESSAGE_BYTES]);
 // What a person should know since the last call: the file is written, or cannot be; "" else.
 void recorder_news(FlightRecorder *recorder, char message[RECORDER_MESSAGE_BYTES]);
+// Where frames do not wait for the clock, after each: a disk that is too slow is waited for before what it has not
+// taken yet leaves the memory.
+void recorder_wait(FlightRecorder *recorder);
 const char *recorder_path(const FlightRecorder *recorder); // of --record; NULL
 uint32_t recorder_steps(const FlightRecorder *recorder);
 uint64_t recorder_hash(const FlightRecorder *recorder); // running, as replays compare it

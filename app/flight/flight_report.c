@@ -16,6 +16,7 @@ static const char *contact_name(FlightContact contact) {
 
 static void add_aircraft(Json *json, const FlightSession *session) {
     FlightInstruments now = flight_instruments(&session->flight);
+    json_add_text(json, "aircraft", session->aircraft.id);
     json_add_integer(json, "steps", session->flight.state.step);
     json_add_number(json, "lat_deg", degrees(now.lat_rad));
     json_add_number(json, "lon_deg", degrees(now.lon_rad));

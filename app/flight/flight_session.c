@@ -1,104 +1,13 @@
 #include "app/flight/flight_session.h"
 
-#include "app/aircraft/airframe.h"
-#include "app/aircraft/isa.h"
-#include "app/flight/flight_contact.h"
 #include "base/log.h"
 #include "base/statistics.h"
-#include "terrain/geodesy.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#define STALL_MARGIN 1.5 // times the stall speed, where the air is thin
-#define ROUND_MIN_M 2000.0
-
-static bool terrain_height(void *user, double lat_rad, double lon_rad, double *h_m) {
-    return terrain_ground_m(user, lat_rad / GEODESY_RAD_PER_DEG, lon_rad / GEODESY_RAD_PER_DEG, h_m);
-}
-
-FlightGround session_ground(const World *world) {
-    return (FlightGround){terrain_height, world->terrain};
-}
-
-static double start_speed(const World *world, const Options *options, const Aircraft *aircraft, double h_m) {
-    if (options_is_set(options, OPTION_SPEED))
-        return options_number(options, OPTION_SPEED);
-    if (world->scene.has_speed && strcmp(aircraft->id, AIRCRAFT_DEFAULT) == 0)
-        return world->scene.speed_m_s; // scenes are made for the aircraft that they start with
-    return fmax(aircraft->cruise_speed, STALL_MARGIN * airframe_stall_speed(aircraft, isa_at(h_m).density, 0.0));
-}
-
-// Level, however the view is tilted, unless a direction was asked for: the start of a scene looks down at the land.
-static double start_pitch_rad(const Options *options, const Viewpoint *view) {
-    return options_is_set(options, OPTION_LOOK) ? view->pitch_deg * GEODESY_RAD_PER_DEG : 0.0;
-}
-
-static void say_start(const Flight *flight, const FlightStart *start) {
-    if (start->on_ground && flight->state.contact != FLIGHT_ROLLING)
-        log_warn("the %s cannot stand where the flight starts: it starts in the air", flight->aircraft->name);
-    else if (!start->on_ground && !start->untrimmed && !flight->trimmed)
-        log_warn("the %s has no steady flight at %.0f m/s there: it starts as near as its wing carries",
-                 flight->aircraft->name, start->speed_m_s);
-}
-
-static Flight start_flight(const World *world, const Options *options, const Aircraft *aircraft,
-                           const Viewpoint *view) {
-    double h_m = world_ellipsoid_m(world, view->lat_deg, view->lon_deg, view->alt_m);
-    FlightStart start = {.lat_rad = view->lat_deg * GEODESY_RAD_PER_DEG,
-                         .lon_rad = view->lon_deg * GEODESY_RAD_PER_DEG,
-                         .h_m = h_m,
-                         .heading_rad = view->heading_deg * GEODESY_RAD_PER_DEG,
-                         .pitch_rad = start_pitch_rad(options, view),
-                         .speed_m_s = start_speed(world, options, aircraft, h_m),
-                         .untrimmed = !options_flag(options, OPTION_TRIM),
-                         .on_ground = options_flag(options, OPTION_ON_GROUND)};
-    Flight flight = flight_create(aircraft, &start, session_ground(world));
-    say_start(&flight, &start);
-    return flight;
-}
-
-// How far the view's middle is from the eye: where the line of sight meets the ground.
-static double sight_distance(const World *world, const Viewpoint *view) {
-    FlightGround ground = session_ground(world);
-    Vec3d eye = world_viewpoint_ecef(world, view), ahead = viewpoint_forward(view);
-    double distance_m = ROUND_MIN_M, above_m;
-    for (int i = 0; i < 64; i++, distance_m *= 1.08) {
-        if (!flight_ground_below(&ground, vec3d_mad(eye, ahead, distance_m), &above_m))
-            return fmax(distance_m / 1.08, ROUND_MIN_M);
-        if (above_m <= 0.0)
-            break;
-    }
-    return distance_m;
-}
-
-static Result prepare_demo(const World *world, const Viewpoint *view, FlightSession *session) {
-    session->demo_flies = true;
-    if (world->scene.demo)
-        return demo_read(world->scene.demo, world->geoid, &session->demo);
-    demo_make_round(view, world->geoid, sight_distance(world, view), &session->demo);
-    return RESULT_OK;
-}
-
-Result session_create(const World *world, const Options *options, FlightSession *out) {
-    Viewpoint view;
-    Result result = world_viewpoint(world, options, &view);
-    if (result != RESULT_OK)
-        return result;
-    *out = (FlightSession){.world = world, .settings = flight_settings_create(options)};
-    out->governor = governor_create(out->settings.target_ms, out->settings.tau_px);
-    out->sun_ecef = world_sun(world, options, &view);
-    result = aircraft_load(options_text(options, OPTION_AIRCRAFT), &out->aircraft);
-    if (result != RESULT_OK)
-        return result;
-    out->assist = options_flag(options, OPTION_ASSIST);
-    out->flight = start_flight(world, options, &out->aircraft, &view);
-    out->begin = out->flight.state;
-    out->keyboard = keyboard_create(out->flight.controls.throttle);
-    out->keyboard.controls = out->flight.controls;
-    return options_flag(options, OPTION_DEMO) ? prepare_demo(world, &view, out) : RESULT_OK;
-}
+#define TURN_RAD 6.283185307179586
 
 void session_say(FlightSession *session, const char *message) {
     snprintf(session->message, sizeof session->message, "%s", message);
@@ -186,7 +95,8 @@ void session_on_repeat(FlightSession *session, int key) {
 // After a crash the controls are those of the new start.
 static void begin_again(FlightSession *session) {
     session->keyboard.controls = session->flight.controls;
-    session->help = session->demo.autopilot = (Autopilot){.engaged = false};
+    session->help = session->hold = session->demo.autopilot = (Autopilot){.engaged = false};
+    session->holds = false;
 }
 
 // To where the flight began, as it began.
@@ -200,11 +110,75 @@ static void session_reset(FlightSession *session) {
     session_say(session, "from the start");
 }
 
+// On a stand the demo flies when nobody else does.
+static void restart_demo(FlightSession *session) {
+    session_reset(session);
+    session->demo_flies = session->demo.count > 0 || session->demo.stick;
+    demo_begin(&session->demo, &session->flight.controls);
+    session->idle_s = 0.0;
+    session_say(session, "demonstration: take the stick, or any key that steers");
+}
+
+static void watch_kiosk(FlightSession *session, double passed_s) {
+    if (!(session->kiosk_idle_s > 0.0) || session->playback)
+        return;
+    bool steered = keyboard_touches_controls(&session->keyboard);
+    session->idle_s = session->demo_flies || steered ? 0.0 : session->idle_s + passed_s;
+    if (session->idle_s >= session->kiosk_idle_s)
+        restart_demo(session);
+}
+
+// ---- the autopilot ----
+
+static void hold_or_not(FlightSession *session) {
+    FlightInstruments now = flight_instruments(&session->flight);
+    session->holds = !session->holds;
+    session->hold = session->help = (Autopilot){.engaged = false};
+    session->wish = (AutopilotWish){.height_m = now.h_m, .heading_rad = now.heading_rad, .speed_m_s = now.speed_m_s};
+    session_say(session, session->holds ? "autopilot: this height, heading and speed" : "autopilot off");
+}
+
+static void end_hold(FlightSession *session) {
+    if (!session->holds)
+        return;
+    session->holds = false;
+    session_say(session, "autopilot off: you have control");
+}
+
+// What the autopilot does not move is the pilot's.
+static Controls held_controls(FlightSession *session, const Controls *pilot) {
+    Controls held = autopilot_hold(&session->hold, &session->flight, &session->wish, FLIGHT_STEP_S);
+    held.flaps = pilot->flaps;
+    held.gear_up = pilot->gear_up;
+    held.brake_left = pilot->brake_left;
+    held.brake_right = pilot->brake_right;
+    session->keyboard.controls.throttle = held.throttle; // from where the pilot goes on
+    return held;
+}
+
+static void move_flaps(FlightSession *session, bool down) {
+    char message[PIPELINE_MESSAGE_BYTES];
+    keyboard_move_flaps(&session->keyboard, down);
+    snprintf(message, sizeof message, "flaps %.0f %%", 100.0 * session->keyboard.controls.flaps);
+    session_say(session, session->aircraft.flaps_s > 0.0 ? message : "this aircraft has no flaps");
+}
+
+static void set_gear(FlightSession *session, bool up) {
+    keyboard_set_gear(&session->keyboard, up);
+    bool fixed = session->aircraft.gear_s <= 0.0;
+    session_say(session, fixed ? "the gear is fixed" : up ? "gear up" : "gear down");
+}
+
 static void act(FlightSession *session, Action action) {
     char message[PIPELINE_MESSAGE_BYTES];
     switch (action) {
     case ACTION_LEAVE:
-        session->leave_wanted = true;
+        session->leave_wanted = !(session->kiosk_idle_s > 0.0);
+        if (!session->leave_wanted)
+            restart_demo(session);
+        return;
+    case ACTION_AUTOPILOT:
+        hold_or_not(session);
         return;
     case ACTION_SCREENSHOT:
         session->screenshot_wanted = true;
@@ -220,13 +194,13 @@ static void act(FlightSession *session, Action action) {
     case ACTION_RESET:
         session_reset(session);
         return;
-    case ACTION_FLAPS_UP:
     case ACTION_FLAPS_DOWN:
-        keyboard_move_flaps(&session->keyboard, action == ACTION_FLAPS_DOWN);
+    case ACTION_FLAPS_UP:
+        move_flaps(session, action == ACTION_FLAPS_DOWN);
         return;
     case ACTION_GEAR_UP:
     case ACTION_GEAR_DOWN:
-        keyboard_set_gear(&session->keyboard, action == ACTION_GEAR_UP);
+        set_gear(session, action == ACTION_GEAR_UP);
         return;
     default:
         if (flight_settings_apply(&session->settings, action, message, sizeof message) && message[0])
@@ -261,8 +235,19 @@ static void hear_pads(FlightSession *session, int64_t until_ns) {
     pilot_hear(session->pilot, &session->keyboard, until_ns, message);
     if (message[0])
         session_say(session, message);
-    if (pilot_was_touched(session->pilot) && session->demo_flies)
+    if (!pilot_was_touched(session->pilot))
+        return;
+    session->idle_s = 0.0;
+    if (session->demo_flies)
         take_over(session, "you have control");
+    end_hold(session);
+}
+
+static void end_demo(FlightSession *session) {
+    if (session->kiosk_idle_s > 0.0)
+        restart_demo(session);
+    else
+        take_over(session, "the demo is over: you have control");
 }
 
 // A pad that lies there while the demo flies is left alone.
@@ -282,6 +267,8 @@ static void step(FlightSession *session) {
     Controls controls = sample_keyboard(session);
     if (session->demo_flies)
         controls = demo_fly(&session->demo, &session->flight, FLIGHT_STEP_S);
+    else if (session->holds)
+        controls = held_controls(session, &controls);
     else if (wants_help(session))
         controls = autopilot_assist(&session->help, &session->flight, &controls, FLIGHT_STEP_S);
     else
@@ -292,11 +279,13 @@ static void step(FlightSession *session) {
     else
         flight_step(&session->flight, &controls, FLIGHT_STEP_S);
     shake_pads(session, &before);
+    if (session->telemetry)
+        telemetry_step(session->telemetry, &session->flight, session->world->geoid);
     session->crashes += before.contact != FLIGHT_CRASHED && session->flight.state.contact == FLIGHT_CRASHED;
     if (before.contact == FLIGHT_CRASHED && session->flight.state.contact != FLIGHT_CRASHED)
         begin_again(session);
     if (session->demo_flies && demo_is_over(&session->demo))
-        take_over(session, "the demo is over: you have control");
+        end_demo(session);
 }
 
 static void act_on_presses(FlightSession *session) {
@@ -337,89 +326,10 @@ void session_advance(FlightSession *session, double passed_s) {
         fly_steps(session, passed_s);
     if (session->pilot)
         pilot_look(session->pilot, &session->rig.look_right, &session->rig.look_up);
+    watch_kiosk(session, passed_s);
+    session->propeller_rad =
+        fmod(session->propeller_rad + TURN_RAD * session_propeller_rps(session) * passed_s, TURN_RAD);
     const CameraMotion motion = camera_motion(session);
     camera_rig_advance(&session->rig, &session->flight, session->settings.view, &motion, passed_s);
     session->message_s = fmax(session->message_s - passed_s, 0.0);
-}
-
-double session_altitude_m(const FlightSession *session, const FlightInstruments *now) {
-    return now->h_m - geoid_undulation_m(session->world->geoid, now->lat_rad / GEODESY_RAD_PER_DEG,
-                                         now->lon_rad / GEODESY_RAD_PER_DEG);
-}
-
-// The pages of keys, from the tables of actions.
-#define HELP_ROW(id, keys, help) {keys, help},
-static const RenderHelpRow help_rows[] = {ACTION_HELD_TABLE(HELP_ROW) ACTION_ONCE_TABLE(HELP_ROW)};
-static const RenderHelpRow replay_help_rows[] = {ACTION_REPLAY_TABLE(HELP_ROW) ACTION_ONCE_TABLE(HELP_ROW)};
-#undef HELP_ROW
-
-static RenderReplay make_replay(const FlightSession *session) {
-    const Timeline *timeline = &session->timeline;
-    return (RenderReplay){.show = session->playback != NULL,
-                          .t_s = timeline->t_s,
-                          .duration_s = timeline->duration_s,
-                          .rate = timeline_rate(timeline),
-                          .paused = timeline->paused,
-                          .in_gap = session->moment.in_gap,
-                          .derived = session->moment.derived};
-}
-
-static RenderHud make_hud(const FlightSession *session, double frame_ms, double frame_p99_ms) {
-    const FlightSettings *settings = &session->settings;
-    FlightInstruments now = flight_instruments(&session->flight);
-    bool only_path = session->playback && session->moment.only_path;
-    return (RenderHud){.show_flight = settings->show_flight,
-                       .show_numbers = settings->show_numbers,
-                       .show_help = settings->show_help,
-                       .help = session->playback ? replay_help_rows : help_rows,
-                       .help_count = session->playback ? (int)COUNT_OF(replay_help_rows) : (int)COUNT_OF(help_rows),
-                       .replay = make_replay(session),
-                       .heading_rad = now.heading_rad,
-                       .pitch_rad = now.pitch_rad,
-                       .bank_rad = now.bank_rad,
-                       .speed_m_s = now.speed_m_s,
-                       .altitude_m = session_altitude_m(session, &now),
-                       .above_ground_m = now.above_ground_m,
-                       .vertical_speed_m_s = now.vertical_speed_m_s,
-                       .throttle = only_path ? (double)NAN : session->flight.state.throttle,
-                       .velocity_ecef = session->flight.state.velocity_ecef,
-                       .over_terrain = now.over_ground,
-                       .crashed = session->flight.state.contact == FLIGHT_CRASHED,
-                       .paused = settings->clock.paused,
-                       .alpha_rad = only_path ? (double)NAN : now.alpha_rad,
-                       .outside = camera_is_outside(settings->view),
-                       .aircraft_ecef = session->flight.state.position_ecef,
-                       .nose_ecef = quatd_rotate(session->flight.state.ecef_from_body, vec3d(1, 0, 0)),
-                       .wing_ecef = quatd_rotate(session->flight.state.ecef_from_body, vec3d(0, 1, 0)),
-                       .datum = "EGM96",
-                       .show_names = settings->show_flight && !settings->show_numbers,
-                       .target_ms = settings->target_ms,
-                       .target_out_of_reach = session->governor.reach != GOVERNOR_IN_REACH,
-                       .frame_ms = frame_ms,
-                       .frame_p99_ms = frame_p99_ms};
-}
-
-void session_order(const FlightSession *session, int width, int height, double frame_ms, double frame_p99_ms,
-                   FrameOrder *order) {
-    const FlightSettings *settings = &session->settings;
-    *order = (FrameOrder){.method = settings->method,
-                          .compare = settings->compare,
-                          .right = settings->right,
-                          .width = width,
-                          .height = height};
-    RenderPacket *look = &order->look;
-    look->camera = camera_of_flight(&session->flight, &session->rig, settings->view, settings->fov_rad);
-    look->sun_ecef = session->sun_ecef;
-    look->colouring = settings->colouring;
-    look->wireframe = settings->wireframe;
-    look->magenta_background = settings->magenta;
-    look->hud = make_hud(session, frame_ms, frame_p99_ms);
-    const double *back = look->camera.camera_from_ecef.m[2];
-    order->view = (LodView){.eye_ecef = look->camera.eye_ecef,
-                            .forward_ecef = vec3d(-back[0], -back[1], -back[2]),
-                            // Of the whole picture in two halves too: comparing changes no triangle.
-                            .px_per_rad = camera_px_per_rad(settings->fov_rad, width, height, settings->bound_corner),
-                            .tau_px = settings->tau_px};
-    if (session->message_s > 0.0)
-        memcpy(order->message, session->message, sizeof order->message);
 }

@@ -9,6 +9,7 @@
 #include "app/flight/flight_settings.h"
 #include "app/flight/governor.h"
 #include "app/flight/pilot.h"
+#include "app/flight/telemetry.h"
 #include "app/pipeline/pipeline.h"
 #include "app/replay/playback.h"
 #include "app/replay/timeline.h"
@@ -24,15 +25,23 @@ typedef struct FlightSession {
     int64_t frames_judged; // that the governor was told of
     GovernorNotice slow_notice;
     Aircraft aircraft;
-    Flight flight; // borrows the aircraft: the session stays where it is
+    const char *aircraft_name; // what aircraft_load finds it by; borrowed
+    Flight flight;             // borrows the aircraft: the session stays where it is
     FlightState begin;
     bool assist; // of the keys
+    bool holds;  // the autopilot flies, as wished
+    Autopilot hold;
+    AutopilotWish wish;
+    double propeller_rad; // how it stands
+    double kiosk_idle_s;  // so long nobody touches anything until the demo begins again; 0: never
+    double idle_s;
     Autopilot help;
     CameraRig rig;
     Keyboard keyboard;
     Pilot *pilot;             // borrowed; NULL: the keyboard alone
     Feel feel;                // of the pilot's hands
     int64_t now_ns;           // until when session_advance flies, as base/clock.h counts; 0: not by a clock
+    Telemetry *telemetry;     // borrowed; NULL: none
     FlightRecorder *recorder; // borrowed; NULL: nothing is recorded
     Demo demo;
     bool demo_flies;
@@ -49,6 +58,8 @@ typedef struct FlightSession {
 
 // The aircraft at the scene's start, or where the terrain looks best; the demo when asked for. Errors of the demo.
 MUST_USE Result session_create(const World *world, const Options *options, FlightSession *out);
+// Frees what the demo holds; the session's memory is the caller's.
+void session_end(FlightSession *session);
 
 // Heights of the terrain; `world` is borrowed.
 FlightGround session_ground(const World *world);
@@ -78,5 +89,7 @@ void session_govern(FlightSession *session, const PipelineStats *stats);
 // What to draw now, in a framebuffer of that size. `frame_ms` and `frame_p99_ms` are for the HUD.
 void session_order(const FlightSession *session, int width, int height, double frame_ms, double frame_p99_ms,
                    FrameOrder *order);
+// Turns a second of a propeller; 0 where there is none.
+double session_propeller_rps(const FlightSession *session);
 // Height above the geoid of the aircraft, for people.
 double session_altitude_m(const FlightSession *session, const FlightInstruments *now);

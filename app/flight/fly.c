@@ -23,6 +23,7 @@ typedef struct Fly {
     FlightSession *session;
     Pilot *pilot;
     FlightRecorder *recorder;
+    Telemetry *telemetry;
     Video *video;
     Pipeline *pipeline;
     Monitor *monitor;
@@ -51,10 +52,21 @@ static Result check_video(const Options *options) {
     return video_check_name(video, "--video");
 }
 
-static Result check_outputs(const Options *options) {
+static Result check_record(const Fly *fly) {
+    const char *record = options_text(fly->options, OPTION_RECORD);
+    if (!record || !fly->track || !files_are_same(record, fly->track))
+        return record ? files_check_writable(record) : RESULT_OK;
+    log_error("--record: %s is the flight that is replayed; name another file", record);
+    return RESULT_USAGE;
+}
+
+static Result check_outputs(const Fly *fly) {
+    const Options *options = fly->options;
     const char *screenshot = options_text(options, OPTION_SCREENSHOT),
                *pictures = options_text(options, OPTION_PICTURES);
-    Result result = screenshot ? picture_check_name(screenshot, "--screenshot") : RESULT_OK;
+    Result result = check_record(fly);
+    if (result == RESULT_OK && screenshot)
+        result = picture_check_name(screenshot, "--screenshot");
     if (result == RESULT_OK && pictures)
         result = files_make_folder(pictures);
     if (result == RESULT_OK && pictures)
@@ -64,7 +76,8 @@ static Result check_outputs(const Options *options) {
 
 // Whether the flight ends by itself, so that it makes sense without a window.
 static bool ends_by_itself(const Fly *fly) {
-    return options_integer(fly->options, OPTION_FRAMES) > 0 || options_flag(fly->options, OPTION_DEMO) || fly->track;
+    return options_integer(fly->options, OPTION_FRAMES) > 0 || options_flag(fly->options, OPTION_DEMO) ||
+           options_command(fly->options) == COMMAND_DEMO || fly->track;
 }
 
 static Result open_context(Fly *fly) {
@@ -124,9 +137,13 @@ static Result start_session(Fly *fly) {
     fly->session->pilot = fly->pilot;
     if (result == RESULT_OK && fly->track)
         result = start_replay(fly);
+    const RecordedFlight flown = {&fly->session->flight, fly->session->aircraft_name};
     if (result == RESULT_OK)
-        result = recorder_create(&fly->world, fly->options, &fly->session->flight, &fly->recorder);
+        result = recorder_create(&fly->world, fly->options, &flown, &fly->recorder);
     fly->session->recorder = fly->recorder;
+    if (result == RESULT_OK && options_text(fly->options, OPTION_TELEMETRY))
+        result = telemetry_create(options_text(fly->options, OPTION_TELEMETRY), &fly->telemetry);
+    fly->session->telemetry = fly->telemetry;
     return result;
 }
 
@@ -178,7 +195,7 @@ static Result report(const Fly *fly) {
 static Result prepare(Fly *fly) {
     Result result = check_target(fly->options);
     if (result == RESULT_OK)
-        result = check_outputs(fly->options);
+        result = check_outputs(fly);
     if (result == RESULT_OK)
         result = check_track(fly);
     if (result == RESULT_OK)
@@ -204,7 +221,10 @@ static Result end(Fly *fly) {
     monitor_destroy(&fly->monitor);
     pipeline_destroy(&fly->pipeline);
     Result result = video_end(&fly->video), recorded = recorder_close(&fly->recorder);
+    if (fly->session)
+        session_end(fly->session);
     free(fly->session);
+    telemetry_destroy(&fly->telemetry);
     pilot_destroy(&fly->pilot);
     playback_close(&fly->playback);
     world_unload(&fly->world);

@@ -32,6 +32,11 @@ static Result find_start(FlightSession *session, const Options *options) {
 
 Result session_begin_replay(FlightSession *session, Playback *playback, const Options *options) {
     session->playback = playback;
+    if (playback_aircraft(playback)) {
+        session->aircraft = *playback_aircraft(playback);
+        session->aircraft_name = playback_header(playback)->environment[RECORDING_AIRCRAFT];
+    }
+    session->flight.wind_ecef = playback_wind(playback);
     session->demo_flies = false;
     session->timeline = timeline_create(playback_duration_s(playback));
     session->timeline.rate = options_choice(options, OPTION_REPLAY_RATE) - RATE_NORMAL;
@@ -44,12 +49,10 @@ Result session_begin_replay(FlightSession *session, Playback *playback, const Op
 
 // A recording's state is all there is to know; of a track a steady flight is made from where it was.
 static void fly_on(FlightSession *session) {
-    const Aircraft *flown = playback_aircraft(session->playback);
-    FlightInstruments now = flight_instruments(&session->flight);
-    if (flown) {
-        session->aircraft = *flown;
+    session->flight.state = playback_at_step(session->playback, session->timeline.t_s).state;
+    if (playback_aircraft(session->playback))
         return;
-    }
+    FlightInstruments now = flight_instruments(&session->flight);
     double climb = fmin(fmax(now.vertical_speed_m_s / fmax(now.speed_m_s, 1.0), -1.0), 1.0);
     const FlightStart start = {.lat_rad = now.lat_rad,
                                .lon_rad = now.lon_rad,
@@ -70,6 +73,7 @@ void session_end_replay(FlightSession *session) {
     session->keyboard.controls = (Controls){
         .trim = state->elevator, .throttle = state->throttle, .flaps = state->flaps, .gear_up = state->gear < 0.5};
     session->help = (Autopilot){.engaged = false};
+    session->begin = session->flight.state;
     if (session->recorder)
         recorder_restart(session->recorder, RECORDING_EVENT_TAKE_OVER, &session->flight);
     session_say(session, "you have control");

@@ -1,3 +1,4 @@
+#define _POSIX_C_SOURCE 200809L
 #include "app/replay/playback.h"
 
 #include "app/flight/flight_recorder.h"
@@ -11,6 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #define SLOPE_S 0.05 // to either side: how speed and turning are got from places and attitudes
 
@@ -29,22 +31,28 @@ struct Playback {
 
 // ---- opening ----
 
-bool playback_is_recording(const char *path) {
-    uint8_t begin[RECORDING_MAGIC_BYTES];
+// The first bytes of a file; 0: there are none to be had. A pipe would be waited for.
+static size_t read_begin(const char *path, uint8_t *out, size_t most) {
+    struct stat about;
+    if (stat(path, &about) != 0 || !S_ISREG(about.st_mode))
+        return 0;
     FILE *file = fopen(path, "rb");
-    bool is_one = file && fread(begin, 1, sizeof begin, file) == sizeof begin && recording_is_one(begin);
+    size_t count = file ? fread(out, 1, most, file) : 0;
     if (file)
         fclose(file);
-    return is_one;
+    return count;
+}
+
+bool playback_is_recording(const char *path) {
+    uint8_t begin[RECORDING_MAGIC_BYTES];
+    return read_begin(path, begin, sizeof begin) == sizeof begin && recording_is_one(begin);
 }
 
 Result playback_read_header(const char *path, RecordingHeader *out) {
-    RecordingReader *reader = NULL;
-    Result result = recording_reader_open(path, &reader);
-    if (result == RESULT_OK)
-        *out = *recording_reader_header(reader);
-    recording_reader_close(&reader);
-    return result;
+    uint8_t begin[RECORDING_HEADER_BYTES_MAX];
+    size_t count = read_begin(path, begin, sizeof begin), header_bytes;
+    uint32_t crc;
+    return recording_header_decode(path, begin, count, out, &header_bytes, &crc);
 }
 
 static void warn_of_differences(const RecordingHeader *header, const Playback *playback, uint64_t dem_hash) {
@@ -103,6 +111,10 @@ void playback_close(Playback **playback) {
     *playback = NULL;
 }
 
+const RecordingHeader *playback_header(const Playback *playback) {
+    return playback->reader ? recording_reader_header(playback->reader) : NULL;
+}
+
 double playback_duration_s(const Playback *playback) {
     return playback->reader ? (playback->end - playback->first) * playback->step_s : track_duration_s(&playback->track);
 }
@@ -113,6 +125,10 @@ const char *playback_format(const Playback *playback) {
 
 const Aircraft *playback_aircraft(const Playback *playback) {
     return playback->reader ? &playback->aircraft : NULL;
+}
+
+Vec3d playback_wind(const Playback *playback) {
+    return playback->flight.wind_ecef;
 }
 
 // ---- a track ----
@@ -175,16 +191,38 @@ static FlightState state_at(Playback *playback, int64_t step) {
     return playback->flight.state;
 }
 
-// Between two steps what is seen goes on evenly; states that are no steps are for looking at only.
-static PlaybackMoment moment_of_recording(Playback *playback, double t_s) {
-    double at = playback->first + fmax(t_s, 0.0) / playback->step_s + 1e-6;
+// Whether the aircraft came to the state at `step` by flying: not by a new start, of a person or after a crash.
+static bool was_flown(const Playback *playback, const FlightState *before, int64_t step, const FlightState *at) {
+    int index = recording_reader_segment_at(playback->reader, (uint32_t)step);
+    const RecordingSegment *segment = recording_reader_segment(playback->reader, index);
+    bool set = segment->first == step && !segment->follows;
+    return !set && !(before->contact == FLIGHT_CRASHED && at->contact != FLIGHT_CRASHED);
+}
+
+// The step that a time is in, and the share of it that has passed.
+static int64_t step_of(const Playback *playback, double t_s, double *share) {
+    double at = playback->first + fmax(t_s, 0.0) / playback->step_s + 1e-6; // times of steps are rounded
     int64_t step = (int64_t)fmin(at, (double)playback->end);
-    double share = at - (double)step;
+    *share = at - (double)step;
+    return step;
+}
+
+static PlaybackMoment moment_of_step(Playback *playback, int64_t step) {
     PlaybackMoment moment = {.state = state_at(playback, step)};
     moment.in_gap = recording_player_is_in_gap(playback->player);
+    return moment;
+}
+
+// Between two steps what is seen goes on evenly; states that are no steps are for looking at only.
+static PlaybackMoment moment_of_recording(Playback *playback, double t_s) {
+    double share;
+    int64_t step = step_of(playback, t_s, &share);
+    PlaybackMoment moment = moment_of_step(playback, step);
     if (share < 1e-4 || step >= playback->end || moment.in_gap)
         return moment;
     FlightState next = state_at(playback, step + 1);
+    if (!was_flown(playback, &moment.state, step + 1, &next))
+        return moment;
     moment.state.position_ecef = between(moment.state.position_ecef, next.position_ecef, share);
     moment.state.velocity_ecef = between(moment.state.velocity_ecef, next.velocity_ecef, share);
     moment.state.ecef_from_body = turned_between(moment.state.ecef_from_body, next.ecef_from_body, share);
@@ -203,6 +241,11 @@ PlaybackMoment playback_at(Playback *playback, double t_s) {
     return playback->reader ? moment_of_recording(playback, t_s) : moment_of_track(playback, t_s);
 }
 
+PlaybackMoment playback_at_step(Playback *playback, double t_s) {
+    double share;
+    return playback->reader ? moment_of_step(playback, step_of(playback, t_s, &share)) : moment_of_track(playback, t_s);
+}
+
 // ---- as a track ----
 
 static TrackPoint point_of(const Playback *playback, const PlaybackMoment *moment, double t_s, bool after_gap) {
@@ -217,15 +260,38 @@ static TrackPoint point_of(const Playback *playback, const PlaybackMoment *momen
                         .flags = after_gap ? TRACK_GAP : 0};
 }
 
+// Whether something is lost, or set anew, after the segment `from` up to the segment `to`.
+static bool is_torn(const Playback *playback, int from, int to) {
+    for (int i = from + 1; i <= to; i++)
+        if (!recording_reader_segment(playback->reader, i)->follows)
+            return true;
+    return false;
+}
+
 static void fill_track(Playback *playback, double interval_s, int most, Track *out) {
-    bool was_gap = false;
+    FlightContact contact = FLIGHT_AIRBORNE;
+    int segment = 0;
     for (int i = 0; i < most; i++) {
-        double t_s = fmin(i * interval_s, playback_duration_s(playback));
+        double t_s = fmin(i * interval_s, playback_duration_s(playback)), share;
         PlaybackMoment moment = playback_at(playback, t_s);
-        if (!moment.in_gap)
-            out->points[out->count++] = point_of(playback, &moment, t_s, was_gap);
-        was_gap = moment.in_gap;
+        if (moment.in_gap)
+            continue;
+        int now = recording_reader_segment_at(playback->reader, (uint32_t)step_of(playback, t_s, &share));
+        bool anew = contact == FLIGHT_CRASHED && moment.state.contact != FLIGHT_CRASHED;
+        out->points[out->count++] =
+            point_of(playback, &moment, t_s, i > 0 && (anew || is_torn(playback, segment, now)));
+        segment = now;
+        contact = moment.state.contact;
     }
+}
+
+static Result check_points(const Playback *playback, double interval_s, double count) {
+    if (count <= TRACK_POINTS_MAX)
+        return RESULT_OK;
+    log_error("%s: %.0f points %g s apart, and %d are the most; take --interval %.3g or longer",
+              recording_reader_path(playback->reader), count, interval_s, TRACK_POINTS_MAX,
+              ceil(playback_duration_s(playback) / TRACK_POINTS_MAX * 1e3) * 1e-3);
+    return RESULT_RANGE;
 }
 
 Result playback_track(Playback *playback, double interval_s, Track *out) {
@@ -233,9 +299,12 @@ Result playback_track(Playback *playback, double interval_s, Track *out) {
         return RESULT_UNSUPPORTED;
     const RecordingHeader *header = recording_reader_header(playback->reader);
     double count = floor(playback_duration_s(playback) / interval_s + 1e-6) + 1.0;
-    int most = (int)fmin(count, TRACK_POINTS_MAX);
-    *out = (Track){.format = "ofr", .heights = TRACK_HEIGHTS_GEOID, .start_unix_s = NAN};
-    snprintf(out->name, sizeof out->name, "%.40s", header->environment[RECORDING_AIRCRAFT]);
+    Result result = check_points(playback, interval_s, count);
+    if (result != RESULT_OK)
+        return result;
+    int most = (int)count;
+    *out = (Track){.format = "ofr", .heights = TRACK_HEIGHTS_ELLIPSOID, .start_unix_s = NAN};
+    snprintf(out->name, sizeof out->name, "%.40s", playback->aircraft.id);
     if (track_time_read(header->environment[RECORDING_START_UTC], &out->start_unix_s))
         out->start_unix_s += playback->first * playback->step_s;
     out->points = calloc((size_t)most, sizeof *out->points);

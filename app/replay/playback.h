@@ -33,14 +33,21 @@ MUST_USE Result playback_read_header(const char *path, RecordingHeader *out);
 MUST_USE Result playback_open(const char *path, const PlaybackOptions *options, Playback **out);
 void playback_close(Playback **playback);
 
+// What the recording says of itself, the playback's; NULL: it is none.
+const RecordingHeader *playback_header(const Playback *playback);
 double playback_duration_s(const Playback *playback);
 const char *playback_format(const Playback *playback);       // "igc"; "ofr" of recordings; static
 const Aircraft *playback_aircraft(const Playback *playback); // of a recording, the playback's; NULL else
-// Before the begin and after the end it stands still. A recording is flown again, to the bit, from at most 10 s before.
+Vec3d playback_wind(const Playback *playback);               // velocity of the air, m/s; of a track none
+// Before the begin and after the end it stands still. A recording is flown again, to the bit, from at most 10 s before;
+// between two steps it is shown in between, except over a jump: a new start.
 PlaybackMoment playback_at(Playback *playback, double t_s);
+// The same, of a recording the last whole step: a state to fly on from.
+PlaybackMoment playback_at_step(Playback *playback, double t_s);
 // The first step seen so far that was flown otherwise than recorded; -1: none, or no recording.
 int64_t playback_first_difference(const Playback *playback);
 // Flies the whole recording again. UNSUPPORTED: none; else as recording_verify.
 MUST_USE Result playback_verify(Playback *playback, RecordingVerdict *out);
-// A track of it with a point every `interval_s`: of a recording; to be cleared. MEMORY; UNSUPPORTED: no recording.
+// A track of it with a point every `interval_s`, gaps where something is lost or where it begins anew; to be cleared.
+// UNSUPPORTED: no recording; MEMORY; RANGE, logged: more points than tracks have.
 MUST_USE Result playback_track(Playback *playback, double interval_s, Track *out);

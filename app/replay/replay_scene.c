@@ -22,8 +22,9 @@ static void split(Names *names) {
         names->words[names->count++] = word;
 }
 
+// A conversion's second word is where it writes to.
 static bool is_named(const Options *options) {
-    return options_positional_count(options) > 1;
+    return options_command(options) == COMMAND_REPLAY && options_positional_count(options) > 1;
 }
 
 static Result read_names(const char *track, Names *names) {
@@ -37,11 +38,15 @@ static Result read_names(const char *track, Names *names) {
     return RESULT_OK;
 }
 
-static void tell_remedy(const char *track, const Names *names) {
-    if (names->count > 0)
+static void tell_remedy(const Options *options, const char *track, const Names *names) {
+    if (names->count > 0 && options_command(options) == COMMAND_REPLAY)
         log_info("%s was recorded over '%s', named as it was there; name it as it is here:\n  overfly replay %s "
                  "SCENE|DEM...",
                  track, names->words[0], track);
+    else if (names->count > 0)
+        log_info("%s was recorded over '%s', named as it was there, and is flown over it again; have it under that "
+                 "name, from where you are",
+                 track, names->words[0]);
 }
 
 Result replay_check_scene(const Options *options, const char *track) {
@@ -53,7 +58,7 @@ Result replay_check_scene(const Options *options, const char *track) {
         return result;
     result = world_check_listed(options, names.words, names.count);
     if (result != RESULT_OK)
-        tell_remedy(track, &names);
+        tell_remedy(options, track, &names);
     return result;
 }
 

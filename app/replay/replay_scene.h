@@ -5,7 +5,7 @@
 #include "app/scene_load.h"
 #include "config/options.h"
 
-// What the command line names after the track; else, of a recording, what it was flown over; else the default scene.
-// Errors of world_check_inputs and world_load; those of a recording's header.
+// What a replay's command line names after the track; else, of a recording, what it was flown over; else the default
+// scene. Errors of world_check_inputs and world_load; those of a recording's header.
 MUST_USE Result replay_check_scene(const Options *options, const char *track);
 MUST_USE Result replay_load_scene(const Options *options, const char *track, World *out);

@@ -3,6 +3,7 @@
 #include "app/flight/flight_session.h"
 #include "app/replay/replay_scene.h"
 #include "base/log.h"
+#include "config/files.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -61,11 +62,14 @@ static Result verify(const Options *options, const char *track, const World *wor
 
 Result replay_verify(const Options *options, const char *track) {
     World world = {0};
+    Result result = files_check_readable(track);
+    if (result != RESULT_OK)
+        return result;
     if (!playback_is_recording(track)) {
         log_error("%s: is no recording of this program (.ofr), whose steps could be flown again", track);
         return RESULT_USAGE;
     }
-    Result result = replay_check_scene(options, track);
+    result = replay_check_scene(options, track);
     if (result == RESULT_OK)
         result = replay_load_scene(options, track, &world);
     if (result == RESULT_OK)

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #define SHOWN_MOST_S 3.6e8 // what fits the text
+#define AT_END_S 1e-9      // so near is there
 
 Timeline timeline_create(double duration_s) {
     return (Timeline){.duration_s = fmax(duration_s, 0.0)};
@@ -29,12 +30,24 @@ bool timeline_is_at_end(const Timeline *timeline) {
 void timeline_jump(Timeline *timeline, double t_s) {
     if (!isnan(t_s))
         timeline->t_s = fmin(fmax(t_s, 0.0), timeline->duration_s);
+    timeline->carry_s = 0.0;
+}
+
+// Kahan's sum: W. Kahan, "Further remarks on reducing truncation errors", CACM 8 (1965) 40.
+static void move(Timeline *timeline, double by_s) {
+    double wanted_s = by_s - timeline->carry_s, t_s = timeline->t_s + wanted_s;
+    timeline->carry_s = (t_s - timeline->t_s) - wanted_s;
+    timeline->t_s = t_s;
 }
 
 void timeline_advance(Timeline *timeline, double passed_s) {
     if (timeline->paused || !(passed_s > 0.0))
         return;
-    timeline_jump(timeline, timeline->t_s + passed_s * timeline_rate(timeline));
+    double left_s = timeline_left_s(timeline);
+    if (passed_s >= left_s - AT_END_S)
+        timeline_jump(timeline, timeline->backwards ? 0.0 : timeline->duration_s);
+    else
+        move(timeline, passed_s * timeline_rate(timeline));
     timeline->paused = timeline_is_at_end(timeline);
 }
 

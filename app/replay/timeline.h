@@ -10,6 +10,7 @@
 
 typedef struct Timeline {
     double t_s;        // 0..duration_s
+    double carry_s;    // what rounding lost of t_s, so that the millionth frame of a film is where it belongs
     double duration_s; // >= 0
     int rate;          // binary logarithm
     bool backwards, paused;

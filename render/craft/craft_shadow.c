@@ -6,17 +6,21 @@
 
 #include <stdlib.h>
 
+#define SIDE_HARDWARE 2048 // texels
+#define SIDE_SOFTWARE 1024
+
 struct CraftShadow {
+    int side;
     GLuint program, texture, framebuffer;
     GLint kept_framebuffer, kept_viewport[4];
 };
 
 // Compared while it is sampled: 1 where the point is not behind what the map holds. Outside the map is sun.
-static GLuint create_texture(void) {
+static GLuint create_texture(int side) {
     const float outside[4] = {0.0f, 0.0f, 0.0f, 0.0f};
     GLuint texture = 0;
     glCreateTextures(GL_TEXTURE_2D, 1, &texture);
-    glTextureStorage2D(texture, 1, GL_DEPTH_COMPONENT32F, CRAFT_SHADOW_SIDE, CRAFT_SHADOW_SIDE);
+    glTextureStorage2D(texture, 1, GL_DEPTH_COMPONENT32F, side, side);
     glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     glTextureParameteri(texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
@@ -28,7 +32,8 @@ static GLuint create_texture(void) {
 }
 
 static Result create_framebuffer(CraftShadow *shadow) {
-    shadow->texture = create_texture();
+    shadow->side = gl_is_software() ? SIDE_SOFTWARE : SIDE_HARDWARE;
+    shadow->texture = create_texture(shadow->side);
     glCreateFramebuffers(1, &shadow->framebuffer);
     glNamedFramebufferTexture(shadow->framebuffer, GL_DEPTH_ATTACHMENT, shadow->texture, 0);
     glNamedFramebufferDrawBuffer(shadow->framebuffer, GL_NONE);
@@ -36,7 +41,7 @@ static Result create_framebuffer(CraftShadow *shadow) {
     if (glCheckNamedFramebufferStatus(shadow->framebuffer, GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE)
         return RESULT_OK;
     log_error("no framebuffer of %d x %d depths for the aircraft's shadow: the driver refuses it; update the driver",
-              CRAFT_SHADOW_SIDE, CRAFT_SHADOW_SIDE);
+              shadow->side, shadow->side);
     return RESULT_DEVICE;
 }
 
@@ -91,7 +96,7 @@ void craft_shadow_begin(CraftShadow *shadow) {
     glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &shadow->kept_framebuffer);
     glGetIntegerv(GL_VIEWPORT, shadow->kept_viewport);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, shadow->framebuffer);
-    glViewport(0, 0, CRAFT_SHADOW_SIDE, CRAFT_SHADOW_SIDE);
+    glViewport(0, 0, shadow->side, shadow->side);
     glDisable(GL_SCISSOR_TEST);
     glClearNamedFramebufferfv(shadow->framebuffer, GL_DEPTH, 0, &farthest);
     glUseProgram(shadow->program);

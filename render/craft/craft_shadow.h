@@ -6,7 +6,6 @@
 #include "base/vec.h"
 
 #define CRAFT_SHADOW_UNIT 14 // shaders/craft.frag
-#define CRAFT_SHADOW_SIDE 1024
 
 typedef struct CraftShadow CraftShadow;
 

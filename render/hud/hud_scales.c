@@ -153,7 +153,8 @@ static void paint_configuration(const HudPainter *painter, const RenderHud *hud)
         snprintf(flaps, sizeof flaps, "FLP %s %%", number);
     bool moves = hud->gear > 0.0 && hud->gear < 1.0;
     const char *gear = !hud->gear_retracts ? "" : moves ? "GEAR ..." : hud->gear > 0.0 ? "GEAR DN" : "GEAR UP";
-    Note note = {flaps, hud->brakes ? "BRAKE" : gear, moves || hud->brakes ? HUD_WARN : HUD_INK};
+    Note note = {hud->autopilot && !flaps[0] ? "AP" : flaps, hud->brakes ? "BRAKE" : gear,
+                 moves || hud->brakes ? HUD_WARN : HUD_INK};
     paint_note(painter, painter->layout.speed_notes, 2, &note);
 }
 

@@ -16,7 +16,7 @@ layout(location = 3) flat in uvec2 at_kind; // finish, surface
 
 layout(location = 0) out vec4 colour;
 
-const vec3 GROUND_ALBEDO = vec3(0.105, 0.112, 0.080); // of land seen from above, on average
+const vec3 GROUND_ALBEDO = vec3(0.107, 0.111, 0.092); // of land seen from above, on average
 
 struct Paint {
     vec3 albedo;

@@ -1,0 +1,22 @@
+// app/flight/demo_list.h: the demonstration flights that came with the program.
+// No units.
+// Values; nothing is owned. Any thread.
+#pragma once
+#include "app/flight/demo.h"
+
+#define DEMO_LIST_MAX 64
+
+typedef struct DemoEntry {
+    char name[64]; // of the file, without folder and ending
+    char title[DEMO_TEXT_BYTES];
+} DemoEntry;
+
+typedef struct DemoList {
+    DemoEntry entries[DEMO_LIST_MAX]; // in the order of the alphabet
+    int count;
+} DemoList;
+
+// NOT_FOUND, IO; logged, as is what is wrong with a demo, which is then left out.
+MUST_USE Result demo_list(DemoList *out);
+// A file, or the name of one that came with the program. NOT_FOUND names what is near, or all there are; logged.
+MUST_USE Result demo_find(const char *name, char path[PATHS_BYTES_MAX]);

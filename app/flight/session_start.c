@@ -1,0 +1,149 @@
+// How a flight begins: where, in what, and who flies it.
+#include "app/aircraft/airframe.h"
+#include "app/aircraft/isa.h"
+#include "app/flight/demo_list.h"
+#include "app/flight/flight_contact.h"
+#include "app/flight/flight_session.h"
+#include "base/log.h"
+#include "terrain/geodesy.h"
+
+#include <math.h>
+#include <string.h>
+
+#define STALL_MARGIN 1.5 // times the stall speed, where the air is thin
+#define ROUND_MIN_M 2000.0
+
+static bool terrain_height(void *user, double lat_rad, double lon_rad, double *h_m) {
+    return terrain_ground_m(user, lat_rad / GEODESY_RAD_PER_DEG, lon_rad / GEODESY_RAD_PER_DEG, h_m);
+}
+
+FlightGround session_ground(const World *world) {
+    return (FlightGround){terrain_height, world->terrain};
+}
+
+static double start_speed(const FlightSession *session, const Options *options, double h_m) {
+    const Aircraft *aircraft = &session->aircraft;
+    const Scene *scene = &session->world->scene;
+    if (options_is_set(options, OPTION_SPEED))
+        return options_number(options, OPTION_SPEED);
+    if (session->demo.has_start)
+        return session->demo.start_speed_m_s;
+    if (scene->has_speed && strcmp(aircraft->id, AIRCRAFT_DEFAULT) == 0)
+        return scene->speed_m_s; // scenes are made for the aircraft that they start with
+    return fmax(aircraft->cruise_speed, STALL_MARGIN * airframe_stall_speed(aircraft, isa_at(h_m).density, 0.0));
+}
+
+// Level, however the view is tilted, unless a direction was asked for: the start of a scene looks down at the land.
+static double start_pitch_rad(const Options *options, const Viewpoint *view) {
+    return options_is_set(options, OPTION_LOOK) ? view->pitch_deg * GEODESY_RAD_PER_DEG : 0.0;
+}
+
+static void say_start(const Flight *flight, const FlightStart *start) {
+    if (start->on_ground && flight->state.contact != FLIGHT_ROLLING)
+        log_warn("the %s cannot stand where the flight starts: it starts in the air", flight->aircraft->name);
+    else if (!start->on_ground && !start->untrimmed && !flight->trimmed)
+        log_warn("the %s has no steady flight at %.0f m/s there: it starts as near as its wing carries",
+                 flight->aircraft->name, start->speed_m_s);
+}
+
+static Flight start_flight(const FlightSession *session, const Options *options, const Viewpoint *view) {
+    const World *world = session->world;
+    const Aircraft *aircraft = &session->aircraft;
+    double h_m = world_ellipsoid_m(world, view->lat_deg, view->lon_deg, view->alt_m);
+    FlightStart start = {.lat_rad = view->lat_deg * GEODESY_RAD_PER_DEG,
+                         .lon_rad = view->lon_deg * GEODESY_RAD_PER_DEG,
+                         .h_m = h_m,
+                         .heading_rad = view->heading_deg * GEODESY_RAD_PER_DEG,
+                         .pitch_rad = start_pitch_rad(options, view),
+                         .speed_m_s = start_speed(session, options, h_m),
+                         .untrimmed = !options_flag(options, OPTION_TRIM),
+                         .on_ground = options_flag(options, OPTION_ON_GROUND)};
+    Flight flight = flight_create(aircraft, &start, session_ground(world));
+    say_start(&flight, &start);
+    return flight;
+}
+
+// How far the view's middle is from the eye: where the line of sight meets the ground.
+static double sight_distance(const World *world, const Viewpoint *view) {
+    FlightGround ground = session_ground(world);
+    Vec3d eye = world_viewpoint_ecef(world, view), ahead = viewpoint_forward(view);
+    double distance_m = ROUND_MIN_M, above_m;
+    for (int i = 0; i < 64; i++, distance_m *= 1.08) {
+        if (!flight_ground_below(&ground, vec3d_mad(eye, ahead, distance_m), &above_m))
+            return fmax(distance_m / 1.08, ROUND_MIN_M);
+        if (above_m <= 0.0)
+            break;
+    }
+    return distance_m;
+}
+
+// ---- the demo ----
+
+static Result read_demo(const Options *options, FlightSession *session) {
+    const World *world = session->world;
+    char path[PATHS_BYTES_MAX];
+    bool named = options_command(options) == COMMAND_DEMO;
+    session->demo_flies = named || options_flag(options, OPTION_DEMO);
+    if (named) {
+        Result result = demo_find(options_positionals(options)[0], path);
+        return result == RESULT_OK ? demo_read(path, world->geoid, &session->demo) : result;
+    }
+    bool of_scene = session->demo_flies && world->scene.demo;
+    return of_scene ? demo_read(world->scene.demo, world->geoid, &session->demo) : RESULT_OK;
+}
+
+// What the command line does not say.
+static Result take_from_demo(const Options *options, FlightSession *session, Viewpoint *view) {
+    const Demo *demo = &session->demo;
+    if (demo->has_start && !options_is_set(options, OPTION_EYE))
+        *view = demo->start;
+    if (!demo->view[0] || options_is_given(options, OPTION_VIEW) ||
+        camera_view_find(demo->view, &session->settings.view))
+        return RESULT_OK;
+    log_error("the demo wants the view '%s', which there is not", demo->view);
+    return RESULT_FORMAT;
+}
+
+static Result load_aircraft(const Options *options, FlightSession *session) {
+    bool of_demo = session->demo.aircraft[0] && !options_is_given(options, OPTION_AIRCRAFT);
+    const char *name = of_demo ? session->demo.aircraft : options_text(options, OPTION_AIRCRAFT);
+    session->aircraft_name = name;
+    return aircraft_load(name, &session->aircraft);
+}
+
+static void start(const Options *options, const Viewpoint *view, FlightSession *session) {
+    session->flight = start_flight(session, options, view);
+    session->begin = session->flight.state;
+    session->keyboard = keyboard_create(session->flight.controls.throttle);
+    session->keyboard.controls = session->flight.controls;
+    if (session->demo_flies && session->demo.count == 0 && !session->demo.stick)
+        demo_make_round(view, session->world->geoid, sight_distance(session->world, view), &session->demo);
+    demo_begin(&session->demo, &session->flight.controls);
+}
+
+Result session_create(const World *world, const Options *options, FlightSession *out) {
+    Viewpoint view;
+    Result result = world_viewpoint(world, options, &view);
+    if (result != RESULT_OK)
+        return result;
+    *out = (FlightSession){.world = world, .settings = flight_settings_create(options)};
+    out->governor = governor_create(out->settings.target_ms, out->settings.tau_px);
+    out->assist = options_flag(options, OPTION_ASSIST);
+    out->kiosk_idle_s = options_flag(options, OPTION_KIOSK) ? options_number(options, OPTION_IDLE) : 0.0;
+    result = read_demo(options, out);
+    if (result == RESULT_OK)
+        result = take_from_demo(options, out, &view);
+    if (result == RESULT_OK)
+        result = load_aircraft(options, out);
+    if (result != RESULT_OK) {
+        session_end(out);
+        return result;
+    }
+    out->sun_ecef = world_sun(world, options, &view);
+    start(options, &view, out);
+    return RESULT_OK;
+}
+
+void session_end(FlightSession *session) {
+    demo_clear(&session->demo);
+}

@@ -1,0 +1,17 @@
+// app/flight/telemetry.h: a flight as lines of CSV while it goes on, for scripts and instruments beside the program.
+// Degrees, metres above the geoid EGM96, metres a second, seconds of flight; heading clockwise from north.
+// A Telemetry owns its file. One thread.
+#pragma once
+#include "app/flight/flight_model.h"
+#include "terrain/geo.h"
+
+#define TELEMETRY_STEPS 12 // between two lines: ten a second of flight
+
+typedef struct Telemetry Telemetry;
+
+// "-": standard output. Its first line names the columns; those of a track come first, so that it can be replayed.
+// NOT_FOUND, IO: logged; MEMORY.
+MUST_USE Result telemetry_create(const char *path, Telemetry **out);
+void telemetry_destroy(Telemetry **telemetry);
+// After each step; every TELEMETRY_STEPS a line. A file that cannot be written any more is told once.
+void telemetry_step(Telemetry *telemetry, const Flight *flight, const Geoid *geoid);

@@ -1,0 +1,334 @@
+// A session that shows a recording: keys along its time, taking over, and what a session records of itself.
+#define _POSIX_C_SOURCE 200809L
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include <inttypes.h>
+#include <math.h>
+
+#include "terrain/geodesy.h"
+#include "tests/heard.h"
+#include "tests/replay_support.h"
+
+#define STEPS 7200u // 60 s
+#define DIVE 3600u
+
+typedef struct Fixture {
+    ReplayWorld world;
+    Flown flown;
+} Fixture;
+
+static int set_up(void **state) {
+    static Fixture fixture;
+    replay_world_load(2, &fixture.world);
+    replay_fly(&fixture.world, "session", STEPS, DIVE, 0, &fixture.flown);
+    *state = &fixture;
+    return 0;
+}
+
+static int tear_down(void **state) {
+    Fixture *fixture = *state;
+    flown_remove(&fixture->flown);
+    replay_world_unload(&fixture->world);
+    return 0;
+}
+
+// A replay as `overfly replay` makes one.
+typedef struct Shown {
+    const Fixture *fixture;
+    Options *options;
+    Playback *playback;
+    FlightSession session;
+} Shown;
+
+static void set_option(Options *options, OptionId id, const char *text) {
+    assert_int_equal(options_set(options, id, text, SOURCE_COMMAND_LINE, "--test"), RESULT_OK);
+}
+
+static Result try_show(const Fixture *fixture, Shown *shown) {
+    shown->fixture = fixture;
+    shown->playback = replay_open(&fixture->world, fixture->flown.path);
+    assert_int_equal(session_create(&fixture->world.world, shown->options, &shown->session), RESULT_OK);
+    return session_begin_replay(&shown->session, shown->playback, shown->options);
+}
+
+static Shown *show(const Fixture *fixture) {
+    static Shown shown; // a session stays where it is
+    memset(&shown, 0, sizeof shown);
+    assert_int_equal(options_create(COMMAND_REPLAY, &shown.options), RESULT_OK);
+    assert_int_equal(try_show(fixture, &shown), RESULT_OK);
+    return &shown;
+}
+
+static void end_show(Shown *shown) {
+    session_end(&shown->session);
+    playback_close(&shown->playback);
+    options_destroy(&shown->options);
+}
+
+static void press(Shown *shown, int key) {
+    session_on_key(&shown->session, key, true, false);
+    session_on_key(&shown->session, key, false, false);
+}
+
+// In frames, as a session never flies more at a time than a frame may take.
+static void fly_s(FlightSession *session, double seconds) {
+    for (int i = 0; i < (int)lround(seconds * 60.0); i++)
+        session_advance(session, 1.0 / 60.0);
+}
+
+static void expect_at(const Shown *shown, double t_s) {
+    const FlightSession *session = &shown->session;
+    if (fabs(session->timeline.t_s - t_s) > 1e-9)
+        fail_msg("at %.9f s, expected %.9f s", session->timeline.t_s, t_s);
+    if (!flown_is(&shown->fixture->flown, (uint32_t)lround(t_s * 120.0), &session->flight.state, false))
+        fail_msg("at %.9f s it shows another moment", t_s);
+}
+
+// ---- keys ----
+
+static void keys_go_along_the_flight(void **state) {
+    Shown *shown = show(*state);
+    FlightSession *session = &shown->session;
+    expect_at(shown, 0.0);
+    session_advance(session, 1.0);
+    expect_at(shown, 1.0);
+    press(shown, KEY_RIGHT);
+    expect_at(shown, 6.0);
+    for (int i = 0; i < 3; i++) // held
+        session_on_repeat(session, KEY_RIGHT);
+    expect_at(shown, 21.0);
+    press(shown, KEY_LEFT);
+    session_on_repeat(session, KEY_LEFT);
+    expect_at(shown, 11.0);
+    press(shown, KEY_END);
+    expect_at(shown, 60.0);
+    press(shown, KEY_RIGHT);
+    expect_at(shown, 60.0);
+    press(shown, KEY_HOME);
+    press(shown, KEY_LEFT);
+    expect_at(shown, 0.0);
+    for (int tenth = 9; tenth >= 0; tenth--) {
+        press(shown, '0' + tenth);
+        expect_at(shown, 6.0 * tenth);
+    }
+    end_show(shown);
+}
+
+static void keys_pause_and_turn_time_and_change_its_rate(void **state) {
+    Shown *shown = show(*state);
+    FlightSession *session = &shown->session;
+    press(shown, '5');
+    press(shown, ' ');
+    session_advance(session, 3.0);
+    expect_at(shown, 30.0);
+    press(shown, ' ');
+    session_advance(session, 0.5);
+    expect_at(shown, 30.5);
+    press(shown, KEY_BACKSPACE);
+    session_advance(session, 10.5);
+    expect_at(shown, 20.0);
+    press(shown, KEY_UP);
+    press(shown, KEY_UP);
+    assert_string_equal(session->message, "replay x -4");
+    session_advance(session, 2.0);
+    expect_at(shown, 12.0);
+    for (int i = 0; i < 4; i++)
+        press(shown, KEY_DOWN);
+    session_advance(session, 4.0);
+    expect_at(shown, 11.0);
+    session_on_repeat(session, KEY_UP); // which only hops take
+    assert_true(timeline_rate(&session->timeline) == -0.25);
+    press(shown, KEY_BACKSPACE);
+    session_advance(session, 1000.0);
+    expect_at(shown, 60.0);
+    assert_true(session->timeline.paused);
+    press(shown, ' '); // from the begin again
+    session_advance(session, 4.0);
+    expect_at(shown, 1.0);
+    session_on_key(session, 'R', true, false); // which resets flights, not replays
+    session_advance(session, 0.0);
+    expect_at(shown, 1.0);
+    end_show(shown);
+}
+
+static void options_say_where_it_begins(void **state) {
+    static const struct {
+        const char *at;
+        bool backwards;
+        double t_s;
+    } GOOD[] = {{"12.5", false, 12.5}, {"0:45", false, 45.0}, {"0:45", true, 45.0}, {NULL, true, 60.0}};
+    for (size_t i = 0; i < COUNT_OF(GOOD); i++) {
+        Shown shown = {0};
+        assert_int_equal(options_create(COMMAND_REPLAY, &shown.options), RESULT_OK);
+        if (GOOD[i].at)
+            set_option(shown.options, OPTION_AT, GOOD[i].at);
+        if (GOOD[i].backwards)
+            set_option(shown.options, OPTION_BACKWARDS, "true");
+        set_option(shown.options, OPTION_REPLAY_RATE, "2");
+        assert_int_equal(try_show(*state, &shown), RESULT_OK);
+        expect_at(&shown, GOOD[i].t_s);
+        session_advance(&shown.session, 1.0);
+        expect_at(&shown, GOOD[i].t_s + (GOOD[i].backwards ? -2.0 : 2.0));
+        end_show(&shown);
+    }
+    Shown shown = {0};
+    Heard heard;
+    assert_int_equal(options_create(COMMAND_REPLAY, &shown.options), RESULT_OK);
+    set_option(shown.options, OPTION_AT, "1:01");
+    heard_begin(&heard);
+    Result result = try_show(*state, &shown);
+    heard_end();
+    assert_int_equal(result, RESULT_USAGE);
+    assert_non_null(strstr(heard.text, "up to 0:01:00.0; found '1:01'"));
+    end_show(&shown);
+}
+
+// ---- taking over ----
+
+// From the step on as it was flown, with the controls that were recorded.
+static void expect_same_flight(const Flown *flown, Flight *flight, uint32_t from, uint32_t steps) {
+    assert_true(flown_is(flown, from, &flight->state, false));
+    for (uint32_t i = from; i < from + steps && i < flown->steps; i++) {
+        Controls controls = recording_controls(flown->codes[i]);
+        flight_step(flight, &controls, FLIGHT_STEP_S);
+        if (!flown_is(flown, i + 1, &flight->state, false))
+            fail_msg("taken over before step %u, it differs after step %u", from, i);
+    }
+}
+
+static void a_flight_goes_on_exactly_from_any_moment(void **state) {
+    const Fixture *fixture = *state;
+    const double at_s[] = {0.0,
+                           0.0041, // between two steps
+                           10.0,
+                           17.7777,
+                           29.999,
+                           (fixture->flown.crash - 30) / 120.0,
+                           (fixture->flown.crash + 60) / 120.0,
+                           (fixture->flown.anew + 0.5) / 120.0,
+                           60.0};
+    for (size_t i = 0; i < COUNT_OF(at_s); i++) {
+        Shown *shown = show(fixture);
+        FlightSession *session = &shown->session;
+        session_advance(session, at_s[i]);
+        press(shown, KEY_ENTER);
+        assert_null(session->playback);
+        assert_string_equal(session->message, "you have control");
+        expect_same_flight(&fixture->flown, &session->flight, (uint32_t)(at_s[i] * 120.0 + 1e-6), 600);
+        end_show(shown);
+    }
+}
+
+// What was taken over is recorded as a flight of its own, with the land and the aircraft of the one before.
+static void what_is_flown_after_taking_over_is_recorded(void **state) {
+    Fixture *fixture = *state;
+    char path[128];
+    replay_path("taken", path);
+    Shown *shown = show(fixture);
+    FlightSession *session = &shown->session;
+    FlightRecorder *recorder;
+    const RecordedFlight recorded = {&session->flight, session->aircraft_name};
+    set_option(shown->options, OPTION_RECORD, path);
+    snprintf(fixture->world.world.names, sizeof fixture->world.world.names, "a scene|of two"); // as if so named
+    assert_int_equal(recorder_create(&fixture->world.world, shown->options, &recorded, &recorder), RESULT_OK);
+    fixture->world.world.names[0] = '\0';
+    session->recorder = recorder;
+    session_advance(session, 20.0);
+    press(shown, KEY_ENTER);
+    session_on_key(session, KEY_DOWN, true, false);
+    fly_s(session, 0.5);
+    session_on_key(session, KEY_DOWN, false, false);
+    fly_s(session, 9.5);
+    press(shown, 'R'); // back to where it was taken over
+    session_advance(session, 0.0);
+    assert_true(flown_is(&fixture->flown, 2400, &session->flight.state, false));
+    fly_s(session, 5.0);
+    FlightState last = session->flight.state;
+    uint64_t hash = recorder_hash(recorder);
+    assert_int_equal(recorder_close(&recorder), RESULT_OK);
+    end_show(shown);
+
+    RecordingVerdict verdict = replay_verdict(&fixture->world, path);
+    print_message("%u steps, hash %016" PRIx64 ", flown %016" PRIx64 "\n", verdict.steps, verdict.hash, hash);
+    assert_true(verdict.equal && verdict.hash == hash);
+    assert_int_equal(verdict.steps, 15 * 120);
+    Playback *playback = replay_open(&fixture->world, path);
+    PlaybackMoment first = playback_at(playback, 0.0), end = playback_at(playback, 15.0);
+    assert_true(flown_is(&fixture->flown, 2400, &first.state, false));
+    assert_int_equal(flight_state_hash(&end.state), flight_state_hash(&last));
+    assert_string_equal(playback_header(playback)->environment[RECORDING_SCENE], "a scene|of two");
+    assert_string_equal(playback_header(playback)->environment[RECORDING_AIRCRAFT], AIRCRAFT_DEFAULT);
+    playback_close(&playback);
+    unlink(path);
+}
+
+// ---- a session that is flown ----
+
+static void begin_recorded(const Fixture *fixture, FlightSession *session, const char *path,
+                           FlightRecorder **recorder) {
+    set_option(fixture->world.options, OPTION_RECORD, path);
+    assert_int_equal(session_create(&fixture->world.world, fixture->world.options, session), RESULT_OK);
+    const RecordedFlight recorded = {&session->flight, session->aircraft_name};
+    assert_int_equal(recorder_create(&fixture->world.world, fixture->world.options, &recorded, recorder), RESULT_OK);
+    session->recorder = *recorder;
+}
+
+static void dive(FlightSession *session) {
+    session->assist = false;
+    session_on_key(session, KEY_UP, true, false);
+    for (int i = 0; i < 60 * 60 && session->crashes == 0; i++)
+        session_advance(session, 1.0 / 60.0);
+    session_on_key(session, KEY_UP, false, false);
+}
+
+static void a_session_with_a_crash_and_a_reset_is_flown_again(void **state) {
+    const Fixture *fixture = *state;
+    static FlightSession session;
+    FlightRecorder *recorder;
+    char path[128];
+    replay_path("flown", path);
+    begin_recorded(fixture, &session, path, &recorder);
+    fly_s(&session, 5.0);
+    dive(&session);
+    assert_int_equal(session.crashes, 1);
+    assert_int_equal(session.flight.state.contact, FLIGHT_CRASHED);
+    fly_s(&session, FLIGHT_RESET_S + 1.0);
+    assert_int_equal(session.flight.state.contact, FLIGHT_AIRBORNE);
+    session_on_key(&session, 'R', true, false);
+    session_on_key(&session, 'R', false, false);
+    session_advance(&session, 0.0);
+    assert_true(session.flight.state.position_ecef.x == session.begin.position_ecef.x);
+    fly_s(&session, 4.0);
+    uint32_t steps = recorder_steps(recorder);
+    uint64_t hash = recorder_hash(recorder);
+    FlightState last = session.flight.state;
+    assert_int_equal(recorder_close(&recorder), RESULT_OK);
+    session_end(&session);
+    RecordingVerdict verdict = replay_verdict(&fixture->world, path);
+    print_message("%u steps, first difference %" PRId64 "\n", verdict.steps, verdict.first_difference_step);
+    assert_true(verdict.equal && verdict.hash == hash && verdict.steps == steps);
+    Playback *playback = replay_open(&fixture->world, path);
+    PlaybackMoment end = playback_at(playback, steps / 120.0);
+    assert_int_equal(flight_state_hash(&end.state), flight_state_hash(&last));
+    playback_close(&playback);
+    unlink(path);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(keys_go_along_the_flight),
+        cmocka_unit_test(keys_pause_and_turn_time_and_change_its_rate),
+        cmocka_unit_test(options_say_where_it_begins),
+        cmocka_unit_test(a_flight_goes_on_exactly_from_any_moment),
+        cmocka_unit_test(what_is_flown_after_taking_over_is_recorded),
+        cmocka_unit_test(a_session_with_a_crash_and_a_reset_is_flown_again),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
