@@ -223,7 +223,7 @@ static void test_calibrating_learns_shows_and_keeps(void **state) {
     assert_int_equal(stand_up(&person, text), 0);
     expect(text, "  x            -0.800   +0.040   +0.900\n");
     expect(text, "  y            not moved\n");
-    expect(text, "2 axes are kept, for all devices 044f:b10a\n");
+    expect(text, "2 of 4 axes are kept, for all devices 044f:b10a\n");
     FILE *pipe = start("--watch --seconds 1");
     sleep_ms(500);
     move_stick(stick, 0.9, 0.0, 0.98);
@@ -232,6 +232,27 @@ static void test_calibrating_learns_shows_and_keeps(void **state) {
     expect(kept, "[044f:b10a]\nx = ");
     expect(kept, "slider = ");
     expect(text, "x +0.900 (aileron +1.000)");
+}
+
+static void test_an_axis_that_was_held_has_no_centre_and_is_not_kept(void **state) {
+    FakeBed *bed = *state;
+    Person person;
+    char text[8192];
+    FakeStick *stick = fake_stick_plug(bed, &FAKE_JOYSTICK, 0);
+    sit_down(&person, "--seconds 20");
+    press_enter(&person);
+    wait_for(&person, "Now move");
+    move_stick(stick, -0.9, 0.0, -1.0); // held to the left, the lever at its end
+    move_stick(stick, 0.9, 1.0, 1.0);
+    move_stick(stick, 0.0, -1.0, 0.0);
+    press_enter(&person);
+    assert_int_equal(stand_up(&person, text), 0);
+    expect(text, "x seemed to rest at -0.900, near its end, and is not kept");
+    expect(text, "2 of 4 axes are kept");
+    read_kept(&person, text);
+    expect(text, "y = ");
+    expect(text, "slider = ");
+    assert_null(strstr(text, "\nx = "));
 }
 
 static void test_a_calibration_that_is_left_or_never_rests_keeps_nothing(void **state) {
@@ -267,6 +288,7 @@ int main(void) {
         DEVICE_TEST(test_a_node_that_may_not_be_read_is_told_with_its_remedy),
         DEVICE_TEST(test_watching_prints_a_line_for_what_changes),
         DEVICE_TEST(test_calibrating_learns_shows_and_keeps),
+        DEVICE_TEST(test_an_axis_that_was_held_has_no_centre_and_is_not_kept),
         DEVICE_TEST(test_a_calibration_that_is_left_or_never_rests_keeps_nothing),
     };
     if (!fake_bed_works()) {

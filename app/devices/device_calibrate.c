@@ -9,6 +9,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 
+#include <math.h>
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,6 +19,7 @@
 #define LOOK_NS INT64_C(20000000)
 #define REDRAW_NS INT64_C(100000000)
 #define EVENTS 64
+#define OFF_CENTRE 0.1 // of the way from end to end
 
 typedef struct Session {
     Devices *devices;
@@ -130,16 +132,40 @@ static bool go_through(Session *session, int64_t until_ns) {
     return true;
 }
 
+// A stick that seems to rest near its end was held when it was told first.
+static bool is_off_centre(const DeviceRow *row, int index, const AxisCalibration *axis) {
+    const AxisMapping *mapping = device_row_mapping(row, index);
+    double span = axis->max - axis->min;
+    bool near_an_end = fmin(axis->centre - axis->min, axis->max - axis->centre) < OFF_CENTRE * span;
+    return axis->known && mapping && pad_control_least(mapping->control) < 0.0 && near_an_end;
+}
+
+static void forget_off_centre(Session *session) {
+    for (int i = 0; i < DEVICES_MAX; i++) {
+        const DeviceRow *row = &session->list.rows[i];
+        CalibratorPad *pad = &session->calibrator.pads[i];
+        for (int k = 0; pad->there && k < row->info.axis_count; k++) {
+            char name[32];
+            if (!is_off_centre(row, k, &pad->calibration.axes[k]))
+                continue;
+            device_row_axis_name(row, k, name);
+            printf("%s: %s seemed to rest at %+.3f, near its end, and is not kept: let go of it first, and once more\n",
+                   row->info.name, name, pad->calibration.axes[k].centre);
+            pad->calibration.axes[k].known = false;
+        }
+    }
+}
+
 static Result keep_pad(const CalibratorPad *pad, const DeviceRow *row) {
     if (calibrator_learned(pad) == 0) {
-        printf("%s: nothing was moved; its calibration stays\n", row->info.name);
+        printf("%s: nothing was learned; its calibration stays\n", row->info.name);
         return RESULT_OK;
     }
     PadCalibration merged = calibrator_merge(pad, &row->calibration);
     Result result = joystick_save_calibration(&row->info, &merged);
     if (result == RESULT_OK)
-        printf("%s: %d axes are kept, for all devices %04x:%04x\n", row->info.name, calibrator_learned(pad),
-               row->info.vendor, row->info.product);
+        printf("%s: %d of %d axes are kept, for all devices %04x:%04x\n", row->info.name, calibrator_learned(pad),
+               row->info.axis_count, row->info.vendor, row->info.product);
     return result;
 }
 
@@ -164,6 +190,7 @@ static Result finish(Session *session, double seconds_max) {
     if (session->calibrator.phase == CALIBRATOR_MOVING)
         calibrator_next(&session->calibrator);
     draw(session);
+    forget_off_centre(session);
     return keep(session);
 }
 
