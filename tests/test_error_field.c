@@ -3,6 +3,7 @@
 #include "terrain/errors/error_field.h"
 #include "terrain/terrain_parts.h"
 #include "tests/cut_support.h"
+#include "tests/slow.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -103,14 +104,17 @@ static void check_shared_nesting(const char *name) {
 
 static void test_errors_nest_on_every_vertex_of_the_tatra(void **state) {
     (void)state;
+    SKIP_WHERE_THREADS_ARE_WATCHED();
     check_shared_nesting("tatra_srtm3_2401.tif");
 }
 static void test_errors_nest_on_every_vertex_of_puget_sound(void **state) {
     (void)state;
+    SKIP_WHERE_THREADS_ARE_WATCHED();
     check_shared_nesting("puget_utm10_160m_1025.tif");
 }
 static void test_errors_nest_on_every_vertex_of_maui(void **state) {
     (void)state;
+    SKIP_WHERE_THREADS_ARE_WATCHED();
     check_shared_nesting("maui_utm4n_40m_2049.tif");
 }
 
@@ -279,6 +283,7 @@ static void check_total(const DemGeoref *georef, double relief_m, int stride, co
 
 static void test_the_total_error_bounds_every_sample_of_every_diamond(void **state) {
     (void)state;
+    SKIP_WHERE_THREADS_ARE_WATCHED();
     static const int STRIDES[] = {0, 1};
     for (size_t i = 0; i < COUNT_OF(STRIDES); i++) {
         check_total(&HILLS, 1800.0, STRIDES[i], "hills");
@@ -292,6 +297,7 @@ static void test_the_total_error_bounds_every_sample_of_every_diamond(void **sta
 // is the exact field.
 static void test_bounded_errors_are_never_below_exact_ones(void **state) {
     (void)state;
+    SKIP_WHERE_THREADS_ARE_WATCHED();
     static const int STRIDES[] = {1024, 64, 16, 4, 1};
     Jobs *jobs = jobs_of(2);
     Terrain *finer = bounded_terrain(support_rough_dem(300, 201, &HILLS, 1500.0, SEED), 0, jobs);

@@ -22,6 +22,7 @@
 #include "terrain/lod/cut_copy.h"
 #include "tests/cut_support.h"
 #include "tests/gl_support.h"
+#include "tests/slow.h"
 
 #define WIDTH 320
 #define HEIGHT 200
@@ -232,6 +233,7 @@ static void check_measured(bool threaded, LodMethod method) {
 
 static void the_error_is_that_of_the_drawn_cut(void **state) {
     (void)state;
+    SKIP_WHERE_THREADS_ARE_WATCHED();
     check_measured(true, LOD_HYBRID);
     check_measured(true, LOD_GEOMIPMAP);
     check_measured(true, LOD_BRUTE);
@@ -240,6 +242,7 @@ static void the_error_is_that_of_the_drawn_cut(void **state) {
 
 static void points_ascend_and_lie_within_their_bounds(void **state) {
     (void)state;
+    SKIP_WHERE_THREADS_ARE_WATCHED();
     Pipeline *pipeline = start(true, LOD_HYBRID);
     Monitor *monitor = watch(pipeline);
     FrameOrder order = order_at(0.5, LOD_HYBRID);
@@ -260,6 +263,7 @@ static void points_ascend_and_lie_within_their_bounds(void **state) {
 
 static void a_change_of_tolerance_moves_the_point_at_once(void **state) {
     (void)state;
+    SKIP_WHERE_THREADS_ARE_WATCHED();
     Pipeline *pipeline = start(true, LOD_HYBRID);
     Monitor *monitor = watch(pipeline);
     FrameOrder order = order_at(0.5, LOD_HYBRID);
@@ -279,6 +283,7 @@ static void a_change_of_tolerance_moves_the_point_at_once(void **state) {
 // Samples and errors of a lens or a size are not shown for another one.
 static void a_change_of_lens_or_size_begins_anew(void **state) {
     (void)state;
+    SKIP_WHERE_THREADS_ARE_WATCHED();
     Pipeline *pipeline = start(true, LOD_HYBRID);
     Monitor *monitor = watch(pipeline);
     FrameOrder order = order_at(0.5, LOD_HYBRID);
@@ -347,6 +352,7 @@ static void it_goes_along_with_changes_of_method_and_ends_in_the_middle(void **s
 // Lists and pages that the hold keeps from being used again are used again afterwards.
 static void memory_does_not_grow_with_the_flight(void **state) {
     (void)state;
+    SKIP_WHERE_THREADS_ARE_WATCHED();
     Holder holder = {.pipeline = start(true, LOD_HYBRID)};
     pthread_t thread;
     fly(holder.pipeline, LOD_HYBRID, 0, 100);
