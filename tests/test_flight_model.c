@@ -153,6 +153,27 @@ static void a_loop_goes_through_the_vertical(void **state) {
     assert_true(steepest > 1.5 && inverted && jump < 0.03);
 }
 
+// Stalled, with the rudder held, it turns about a steep axis with the wing stalled; stick ahead and opposite rudder
+// stop it within two seconds.
+static void a_stall_with_rudder_becomes_a_spin_and_ends_when_told_to(void **state) {
+    (void)state;
+    Aircraft a = flight_type("c172");
+    Flight flight = flight_in_air(&a, 3000.0, 0.75 * a.cruise_speed);
+    flight_on(&flight, (Controls){.elevator = 0.6}, 2.0);
+    flight_on(&flight, (Controls){.elevator = 1.0}, 1.0);
+    flight_on(&flight, (Controls){.elevator = 1.0, .rudder = 1.0}, 9.0);
+    FlightInstruments spinning = flight_instruments(&flight);
+    double rate = vec3d_length(flight.state.rate_body), sink = -spinning.vertical_speed_m_s;
+    print_message("spin: %.2f rad/s, angle of attack %.2f rad, sinks %.1f m/s\n", rate, spinning.alpha_rad, sink);
+    assert_true(rate > 1.2 && rate < 3.5 && spinning.alpha_rad > a.stall_rad && sink > 25.0 && sink < 70.0);
+    flight_on(&flight, (Controls){.elevator = -0.3, .rudder = -1.0}, 0.7);
+    flight_on(&flight, (Controls){.elevator = -0.1}, 1.3);
+    FlightInstruments ended = flight_instruments(&flight);
+    print_message("2 s later: %.2f rad/s, angle of attack %.2f rad\n", vec3d_length(flight.state.rate_body),
+                  ended.alpha_rad);
+    assert_true(ended.alpha_rad < 0.5 * a.stall_rad && vec3d_length(flight.state.rate_body) < 0.5);
+}
+
 static void the_quaternion_holds_over_ten_hours(void **state) {
     (void)state;
     Aircraft a = flight_type("c172");
@@ -527,6 +548,7 @@ int main(void) {
         cmocka_unit_test(a_banked_turn_is_coordinated_and_level),
         cmocka_unit_test(loops_rolls_and_spins_stay_finite_and_normalised),
         cmocka_unit_test(a_loop_goes_through_the_vertical),
+        cmocka_unit_test(a_stall_with_rudder_becomes_a_spin_and_ends_when_told_to),
         cmocka_unit_test(the_quaternion_holds_over_ten_hours),
         cmocka_unit_test(extreme_starts_stay_finite),
         cmocka_unit_test(every_direction_of_flow_is_finite),
