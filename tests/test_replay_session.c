@@ -1,5 +1,5 @@
 // A session that shows a recording: keys along its time, taking over, and what a session records of itself.
-#define _POSIX_C_SOURCE 200809L
+#define _DEFAULT_SOURCE
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -11,6 +11,7 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <time.h>
 
 #include "terrain/geodesy.h"
 #include "tests/heard.h"
@@ -190,6 +191,35 @@ static void options_say_where_it_begins(void **state) {
     end_show(&shown);
 }
 
+static bool no_ground(void *user, double lat_rad, double lon_rad, double *h_m) {
+    (void)user, (void)lat_rad, (void)lon_rad, (void)h_m;
+    return false;
+}
+
+// Without the ground that it was recorded over, the aircraft does not crash.
+static void a_replay_that_differs_says_so_once(void **state) {
+    const Fixture *fixture = *state;
+    Shown *shown = show(fixture);
+    const PlaybackOptions nowhere = {.how = track_reading_default(), .ground = {no_ground, NULL}};
+    Heard heard;
+    playback_close(&shown->playback);
+    assert_int_equal(playback_open(fixture->flown.path, &nowhere, &shown->playback), RESULT_OK);
+    heard_begin(&heard);
+    assert_int_equal(session_begin_replay(&shown->session, shown->playback, shown->options), RESULT_OK);
+    session_advance(&shown->session, 5.0);
+    assert_int_equal(heard.warnings, 0);
+    for (int i = 0; i < 60; i++)
+        session_advance(&shown->session, 1.0);
+    press(shown, KEY_HOME);
+    press(shown, KEY_END);
+    heard_end();
+    print_message("%s%s\n", heard.text, shown->session.message);
+    assert_int_equal(heard.warnings, 1);
+    assert_non_null(strstr(heard.text, "another flight than was recorded"));
+    assert_non_null(strstr(shown->session.message, "not as recorded, from 0:00:"));
+    end_show(shown);
+}
+
 // ---- taking over ----
 
 // From the step on as it was flown, with the controls that were recorded.
@@ -321,14 +351,57 @@ static void a_session_with_a_crash_and_a_reset_is_flown_again(void **state) {
     unlink(path);
 }
 
+// F5: without --record too, and while the flight goes on.
+static void the_last_minutes_are_saved_by_a_key(void **state) {
+    const Fixture *fixture = *state;
+    static FlightSession session;
+    char folder[] = "/tmp/overfly-saved-XXXXXX", wanted[64], file[256];
+    FlightRecorder *recorder;
+    Options *options;
+    assert_non_null(mkdtemp(folder));
+    assert_int_equal(setenv("XDG_STATE_HOME", folder, 1), 0);
+    assert_int_equal(options_create(COMMAND_FLY, &options), RESULT_OK);
+    assert_int_equal(session_create(&fixture->world.world, options, &session), RESULT_OK);
+    const RecordedFlight recorded = {&session.flight, session.aircraft_name};
+    assert_int_equal(recorder_create(&fixture->world.world, options, &recorded, &recorder), RESULT_OK);
+    assert_null(recorder_path(recorder));
+    session.recorder = recorder;
+    fly_s(&session, 20.0);
+    session_on_key(&session, KEY_F5, true, false);
+    session_on_key(&session, KEY_F5, false, false);
+    uint64_t hash = recorder_hash(recorder);
+    for (int i = 0; i < 1000 && strncmp(session.message, "recording: ", 11) != 0; i++) {
+        fly_s(&session, 1.0 / 60.0);
+        nanosleep(&(struct timespec){.tv_nsec = 10000000}, NULL);
+    }
+    print_message("%s\n", session.message);
+    snprintf(wanted, sizeof wanted, "%s/overfly/recordings/overfly-", folder);
+    assert_int_equal(strncmp(session.message, "recording: ", 11), 0);
+    snprintf(file, sizeof file, "%.200s", session.message + 11);
+    assert_int_equal(strncmp(file, wanted, strlen(wanted)), 0);
+    assert_int_equal(recorder_close(&recorder), RESULT_OK);
+    session_end(&session);
+    RecordingVerdict verdict = replay_verdict(&fixture->world, file);
+    assert_true(verdict.equal && verdict.hash == hash && verdict.steps == 20 * 120);
+    options_destroy(&options);
+    unlink(file);
+    snprintf(file, sizeof file, "%s/overfly/recordings", folder);
+    assert_int_equal(rmdir(file), 0);
+    snprintf(file, sizeof file, "%s/overfly", folder);
+    assert_int_equal(rmdir(file), 0);
+    assert_int_equal(rmdir(folder), 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(keys_go_along_the_flight),
         cmocka_unit_test(keys_pause_and_turn_time_and_change_its_rate),
         cmocka_unit_test(options_say_where_it_begins),
+        cmocka_unit_test(a_replay_that_differs_says_so_once),
         cmocka_unit_test(a_flight_goes_on_exactly_from_any_moment),
         cmocka_unit_test(what_is_flown_after_taking_over_is_recorded),
         cmocka_unit_test(a_session_with_a_crash_and_a_reset_is_flown_again),
+        cmocka_unit_test(the_last_minutes_are_saved_by_a_key),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

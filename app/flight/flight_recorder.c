@@ -97,6 +97,8 @@ Result recorder_create(const World *world, const Options *options, const Recorde
 Result recorder_close(FlightRecorder **recorder) {
     if (!*recorder)
         return RESULT_OK;
+    if (recorder_path(*recorder) && recorder_steps(*recorder) == 0)
+        log_warn("%s: nothing was flown, and nothing is in it", recorder_path(*recorder));
     Result result = recording_writer_close(&(*recorder)->writer);
     free(*recorder);
     *recorder = NULL;

@@ -48,6 +48,7 @@ typedef struct FlightSession {
     Playback *playback; // borrowed: shown instead of flying; NULL: flown
     Timeline timeline;
     PlaybackMoment moment;
+    bool difference_said; // between what was recorded and what is flown again
     int crashes;
     bool screenshot_wanted, leave_wanted; // by a key; the caller takes them back
     Vec3d sun_ecef;                       // unit

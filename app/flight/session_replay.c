@@ -4,14 +4,30 @@
 #include "base/log.h"
 #include "terrain/geodesy.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 
 #define RATE_NORMAL 3 // of --time-rate's choices: 1
 
+static void tell_difference(FlightSession *session) {
+    char when[RECORDING_TIME_BYTES], message[PIPELINE_MESSAGE_BYTES];
+    int64_t step = playback_first_difference(session->playback);
+    if (step < 0 || session->difference_said)
+        return;
+    session->difference_said = true;
+    recording_time_text((uint64_t)step, RECORDING_STEPS_PER_S, when);
+    log_warn("flown again it is another flight than was recorded, from step %" PRId64 " on (%s); every 10 s it begins "
+             "anew with what was recorded",
+             step, when);
+    snprintf(message, sizeof message, "not as recorded, from %s on", when);
+    session_say(session, message);
+}
+
 static void show_moment(FlightSession *session) {
     int64_t step = session->flight.state.step;
     session->moment = playback_at(session->playback, session->timeline.t_s);
+    tell_difference(session);
     session->flight.state = session->moment.state;
     session->flight.state.step = step;
 }
