@@ -152,7 +152,7 @@ throttle=$(value throttle) pitch=$(value pitch_deg)
 
 take_off "right, more throttle" --size 1280x800
 press t t t w l F3
-hold 0.5 Right Prior
+hold 1.0 Right Prior
 wait_for 10 compgen -G "$XDG_PICTURES_DIR/overfly-*.png" >/dev/null || give_up "F3 wrote no picture"
 land
 expect bank_deg '>' 5
