@@ -86,7 +86,8 @@ static const struct {
     const char *identifier, *keys, *help;
 } texts[ACTION_COUNT] = {
 #define ACTION_TEXT(id, keys, help) [ACTION_##id] = {#id, keys, help},
-    ACTION_HELD_TABLE(ACTION_TEXT) ACTION_ONCE_TABLE(ACTION_TEXT) ACTION_REPLAY_TABLE(ACTION_TEXT)
+    ACTION_HELD_TABLE(ACTION_TEXT) ACTION_FLYING_TABLE(ACTION_TEXT) ACTION_ONCE_TABLE(ACTION_TEXT)
+        ACTION_REPLAY_TABLE(ACTION_TEXT)
 #undef ACTION_TEXT
 };
 

@@ -43,7 +43,7 @@
     X(TRIM_UP, "End", "trim nose up")                                                                                  \
     X(BRAKES, "b", "wheel brakes")
 
-#define ACTION_ONCE_TABLE(X)                                                                                           \
+#define ACTION_FLYING_TABLE(X)                                                                                         \
     X(RESET, "r", "start anew")                                                                                        \
     X(AUTOPILOT, "o", "autopilot: hold height, heading and speed, on and off")                                         \
     X(CENTRE, "5", "centre stick and rudder")                                                                          \
@@ -51,13 +51,16 @@
     X(FLAPS_DOWN, "]", "flaps down a notch")                                                                           \
     X(GEAR_UP, "g", "gear up")                                                                                         \
     X(GEAR_DOWN, "G", "gear down")                                                                                     \
+    X(PAUSE, "p", "pause")                                                                                             \
+    X(TIME_FASTER, "a", "time runs faster")                                                                            \
+    X(TIME_SLOWER, "A", "time runs slower")
+
+// Of any picture, flown or replayed.
+#define ACTION_ONCE_TABLE(X)                                                                                           \
     X(VIEW_NEXT, "v", "next view")                                                                                     \
     X(VIEW_PREVIOUS, "V", "previous view")                                                                             \
     X(ZOOM_IN, "x", "narrower field of view")                                                                          \
     X(ZOOM_OUT, "X", "wider field of view")                                                                            \
-    X(PAUSE, "p", "pause")                                                                                             \
-    X(TIME_FASTER, "a", "time runs faster")                                                                            \
-    X(TIME_SLOWER, "A", "time runs slower")                                                                            \
     X(HUD, "h", "head-up display on and off")                                                                          \
     X(ACCURACY, "F2", "what accuracy costs in time, on and off")                                                       \
     X(SCREENSHOT, "F3", "write a picture")                                                                             \
@@ -92,7 +95,9 @@ typedef enum Action {
 #define ACTION_ENUM(id, keys, help) ACTION_##id,
     ACTION_HELD_TABLE(ACTION_ENUM) ACTION_HELD_COUNT,
     ACTION_HELD_LAST = ACTION_HELD_COUNT - 1,
-    ACTION_ONCE_TABLE(ACTION_ENUM) ACTION_REPLAY_TABLE(ACTION_ENUM) ACTION_COUNT,
+    ACTION_FLYING_TABLE(ACTION_ENUM) ACTION_ONCE_TABLE(ACTION_ENUM) ACTION_REPLAY_TABLE(ACTION_ENUM) ACTION_COUNT,
+    ACTION_FLYING_FIRST = ACTION_HELD_COUNT,
+    ACTION_FLYING_LAST = ACTION_VIEW_NEXT - 1,
 #undef ACTION_ENUM
     ACTION_NONE = -1
 } Action;

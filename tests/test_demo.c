@@ -169,6 +169,13 @@ static void a_stand_begins_again_when_nobody_steers(void **state) {
     assert_false(session->leave_wanted);
     assert_true(session->demo_flies);
     assert_true(vec3d_length(vec3d_sub(session->flight.state.position_ecef, first.position_ecef)) < 10.0);
+    // Nor does a pause, or what else was changed, outlast the visitor.
+    press(session, 'W');
+    press(session, 'P');
+    assert_true(session->settings.wireframe && session->settings.clock.paused);
+    pass(session, 50.0);
+    assert_false(session->settings.wireframe || session->settings.clock.paused);
+    assert_true(session->demo_flies);
     // Flown to its end it begins again, as it began.
     pass(session, stick_stream_duration_s(session->demo.stick) + 2.0);
     assert_true(session->demo_flies);

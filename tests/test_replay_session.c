@@ -392,10 +392,30 @@ static void the_last_minutes_are_saved_by_a_key(void **state) {
     assert_int_equal(rmdir(folder), 0);
 }
 
+// Keys that fly do not work behind the replay's back.
+static void keys_that_fly_wait_until_somebody_takes_over(void **state) {
+    Shown *shown = show(*state);
+    FlightSession *session = &shown->session;
+    static const int KEYS[] = {'O', 'R', 'G', '[', ']'};
+    const Controls before = session->keyboard.controls;
+    for (size_t i = 0; i < COUNT_OF(KEYS); i++) {
+        press(shown, KEYS[i]);
+        session_advance(session, 0.01);
+    }
+    assert_false(session->holds);
+    assert_true(session->keyboard.controls.flaps == before.flaps &&
+                session->keyboard.controls.gear_up == before.gear_up);
+    press(shown, 'P'); // as Space
+    session_advance(session, 0.01);
+    assert_true(session->timeline.paused && !session->settings.clock.paused);
+    end_show(shown);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(keys_go_along_the_flight),
         cmocka_unit_test(keys_pause_and_turn_time_and_change_its_rate),
+        cmocka_unit_test(keys_that_fly_wait_until_somebody_takes_over),
         cmocka_unit_test(options_say_where_it_begins),
         cmocka_unit_test(a_replay_that_differs_says_so_once),
         cmocka_unit_test(a_flight_goes_on_exactly_from_any_moment),

@@ -16,7 +16,10 @@
 #define FLY_BY_AHEAD_MAX_M 500.0
 #define FLY_BY_ASIDE 0.18 // of that way, to the right of it
 #define FLY_BY_ABOVE_M 3.0
-#define FLY_BY_PAST 1.3 // times as far as it was when the eye was placed: the next place
+#define FLY_BY_PAST 1.3      // times as far as it was when the eye was placed: the next place
+#define FLY_BY_SPAN_M 11.0   // of an aircraft, which takes
+#define FLY_BY_SHARE 0.22    // of the picture's height, about,
+#define FLY_BY_LENS_RAD 0.16 // with no longer a lens than this
 #define MAP_HEIGHT_MIN_M 4000.0
 #define MAP_HEIGHT 4.0      // times the height above the ground
 #define FREE_TURN_RATE 0.9  // rad/s
@@ -133,7 +136,9 @@ static void take_direction(CameraRig *rig, const RenderCamera *camera) {
 }
 
 static void begin_free(CameraRig *rig, const Flight *flight) {
-    const RenderCamera before = camera_of_flight(flight, rig, rig->view, 1.0);
+    // From on board the eye would be inside the aircraft.
+    CameraView from = camera_is_outside(rig->view) ? rig->view : CAMERA_CHASE;
+    const RenderCamera before = camera_of_flight(flight, rig, from, 1.0);
     rig->eye_ecef = before.eye_ecef;
     take_direction(rig, &before);
 }
@@ -224,6 +229,13 @@ double camera_px_per_rad(double fov_y_rad, double width, double height, bool cor
     return corner ? centre * (1.0 + (width * width + height * height) / (4.0 * centre * centre)) : centre;
 }
 
+// A long lens for what is far, as long as the person's own is not longer.
+static double fly_by_lens(const Flight *flight, const CameraRig *rig, double fov_y_rad) {
+    double away_m = fmax(vec3d_length(vec3d_sub(flight->state.position_ecef, rig->eye_ecef)), 1.0);
+    double wanted_rad = fmax(FLY_BY_SPAN_M / (FLY_BY_SHARE * away_m), FLY_BY_LENS_RAD);
+    return fmin(fov_y_rad, wanted_rad);
+}
+
 static RenderCamera camera_of_view(const Flight *flight, const CameraRig *rig, CameraView view) {
     Vec3d local_up = up_at(flight->state.position_ecef);
     switch (view) {
@@ -244,6 +256,6 @@ RenderCamera camera_of_flight(const Flight *flight, const CameraRig *rig, Camera
     // A view that the rig was not moved for yet is seen from on board.
     bool ready = (view != CAMERA_FLY_BY && view != CAMERA_FREE) || rig->view == view;
     RenderCamera camera = camera_of_view(flight, rig, ready ? view : CAMERA_CHASE);
-    camera.fov_y_rad = fov_y_rad;
+    camera.fov_y_rad = ready && view == CAMERA_FLY_BY ? fly_by_lens(flight, rig, fov_y_rad) : fov_y_rad;
     return camera;
 }

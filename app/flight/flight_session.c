@@ -133,6 +133,7 @@ static void session_reset(FlightSession *session) {
 
 // On a stand the demo flies when nobody else does.
 static void restart_demo(FlightSession *session) {
+    session->settings = session->begin_settings; // whatever the last visitor did to them
     session_reset(session);
     session->demo_flies = session->demo.count > 0 || session->demo.stick;
     demo_begin(&session->demo, &session->flight.controls);
@@ -144,7 +145,8 @@ static void watch_kiosk(FlightSession *session, double passed_s) {
     if (!(session->kiosk_idle_s > 0.0) || session->playback)
         return;
     bool steered = keyboard_touches_controls(&session->keyboard);
-    session->idle_s = session->demo_flies || steered ? 0.0 : session->idle_s + passed_s;
+    bool goes_on = session->demo_flies && !session->settings.clock.paused;
+    session->idle_s = goes_on || steered ? 0.0 : session->idle_s + passed_s;
     if (session->idle_s >= session->kiosk_idle_s)
         restart_demo(session);
 }
@@ -177,6 +179,8 @@ static void set_gear(FlightSession *session, bool up) {
 
 static void act(FlightSession *session, Action action) {
     char message[PIPELINE_MESSAGE_BYTES];
+    if (session->playback && session_replay_act(session, action))
+        return;
     switch (action) {
     case ACTION_LEAVE:
         session->leave_wanted = !(session->kiosk_idle_s > 0.0);

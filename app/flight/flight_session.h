@@ -33,7 +33,8 @@ typedef struct FlightSession {
     Autopilot hold;
     AutopilotWish wish;
     double propeller_rad; // how it stands
-    double kiosk_idle_s;  // so long nobody touches anything until the demo begins again; 0: never
+    FlightSettings begin_settings;
+    double kiosk_idle_s; // so long nobody touches anything until the demo begins again; 0: never
     double idle_s;
     Autopilot help;
     CameraRig rig;
@@ -78,7 +79,8 @@ void session_on_repeat(FlightSession *session, int key);
 void session_advance(FlightSession *session, double passed_s);
 void session_say(FlightSession *session, const char *message);
 // What a replay does with a key and with time; for session_on_key and session_advance.
-bool session_replay_key(FlightSession *session, int key); // false: not one of its own
+bool session_replay_key(FlightSession *session, int key);       // false: not one of its own
+bool session_replay_act(FlightSession *session, Action action); // false: as in any flight
 void session_replay_advance(FlightSession *session, double passed_s);
 // Says when a method could not come, and which one is shown instead; and when the GPU could not work for it.
 void session_hear_changes(FlightSession *session, const MethodChanges *changes, LodMethod shown);

@@ -18,7 +18,8 @@ double session_altitude_m(const FlightSession *session, const FlightInstruments 
 
 // The pages of keys, from the tables of actions.
 #define HELP_ROW(id, keys, help) {keys, help},
-static const RenderHelpRow help_rows[] = {ACTION_HELD_TABLE(HELP_ROW) ACTION_ONCE_TABLE(HELP_ROW)};
+static const RenderHelpRow help_rows[] = {ACTION_HELD_TABLE(HELP_ROW) ACTION_FLYING_TABLE(HELP_ROW)
+                                              ACTION_ONCE_TABLE(HELP_ROW)};
 static const RenderHelpRow replay_help_rows[] = {ACTION_REPLAY_TABLE(HELP_ROW) ACTION_ONCE_TABLE(HELP_ROW)};
 #undef HELP_ROW
 
@@ -124,11 +125,12 @@ void session_order(const FlightSession *session, int width, int height, double f
     look->magenta_background = settings->magenta;
     look->hud = make_hud(session, frame_ms, frame_p99_ms);
     const double *back = look->camera.camera_from_ecef.m[2];
-    order->view = (LodView){.eye_ecef = look->camera.eye_ecef,
-                            .forward_ecef = vec3d(-back[0], -back[1], -back[2]),
-                            // Of the whole picture in two halves too: comparing changes no triangle.
-                            .px_per_rad = camera_px_per_rad(settings->fov_rad, width, height, settings->bound_corner),
-                            .tau_px = settings->tau_px};
+    order->view =
+        (LodView){.eye_ecef = look->camera.eye_ecef,
+                  .forward_ecef = vec3d(-back[0], -back[1], -back[2]),
+                  // Of the whole picture in two halves too: comparing changes no triangle.
+                  .px_per_rad = camera_px_per_rad(look->camera.fov_y_rad, width, height, settings->bound_corner),
+                  .tau_px = settings->tau_px};
     if (session->message_s > 0.0)
         memcpy(order->message, session->message, sizeof order->message);
 }

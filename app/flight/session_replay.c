@@ -88,7 +88,8 @@ void session_end_replay(FlightSession *session) {
     session->keyboard = keyboard_create(state->throttle);
     session->keyboard.controls = (Controls){
         .trim = state->elevator, .throttle = state->throttle, .flaps = state->flaps, .gear_up = state->gear < 0.5};
-    session->help = (Autopilot){.engaged = false};
+    session->help = session->hold = (Autopilot){.engaged = false};
+    session->holds = false;
     session->begin = session->flight.state;
     if (session->recorder)
         recorder_restart(session->recorder, RECORDING_EVENT_TAKE_OVER, &session->flight);
@@ -148,7 +149,28 @@ bool session_replay_key(FlightSession *session, int key) {
     return true;
 }
 
+bool session_replay_act(FlightSession *session, Action action) {
+    switch (action) {
+    case ACTION_PAUSE:
+        act_on_time(session, ACTION_REPLAY_PLAY);
+        return true;
+    case ACTION_TIME_FASTER:
+        act_on_time(session, ACTION_REPLAY_FASTER);
+        return true;
+    case ACTION_TIME_SLOWER:
+        act_on_time(session, ACTION_REPLAY_SLOWER);
+        return true;
+    default:
+        if (action < ACTION_FLYING_FIRST || action > ACTION_FLYING_LAST)
+            return false;
+        session_say(session, "this is a replay: Enter takes over the controls");
+        return true;
+    }
+}
+
 void session_replay_advance(FlightSession *session, double passed_s) {
     timeline_advance(&session->timeline, passed_s);
     show_moment(session);
+    if (session->telemetry)
+        telemetry_show(session->telemetry, session->timeline.t_s, &session->flight, session->world->geoid);
 }

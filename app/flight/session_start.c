@@ -140,6 +140,7 @@ Result session_create(const World *world, const Options *options, FlightSession 
         return result;
     }
     out->sun_ecef = world_sun(world, options, &view);
+    out->begin_settings = out->settings;
     start(options, &view, out);
     return RESULT_OK;
 }

@@ -13,6 +13,7 @@ struct Telemetry {
     FILE *file;
     const char *name; // for messages
     int64_t steps;
+    double shown_s;
     bool failed;
 };
 
@@ -30,6 +31,7 @@ Result telemetry_create(const char *path, Telemetry **out) {
         return RESULT_MEMORY;
     }
     telemetry->name = path;
+    telemetry->shown_s = NAN;
     telemetry->file = strcmp(path, "-") == 0 ? stdout : fopen(path, "w");
     if (!telemetry->file) {
         int error = errno;
@@ -55,15 +57,15 @@ static double degrees(double radians) {
     return radians / GEODESY_RAD_PER_DEG;
 }
 
-static void write_line(const Telemetry *telemetry, const Flight *flight, const Geoid *geoid) {
+static void write_line(const Telemetry *telemetry, double t_s, const Flight *flight, const Geoid *geoid) {
     static const char *const CONTACTS[] = {
         [FLIGHT_AIRBORNE] = "airborne", [FLIGHT_ROLLING] = "rolling", [FLIGHT_CRASHED] = "crashed"};
     FlightInstruments now = flight_instruments(flight);
     const FlightState *state = &flight->state;
     double lat_deg = degrees(now.lat_rad), lon_deg = degrees(now.lon_rad);
-    fprintf(telemetry->file, "%.3f,%.8f,%.8f,%.2f,%.2f,%.2f,%.2f,", (double)telemetry->steps * FLIGHT_STEP_S, lat_deg,
-            lon_deg, now.h_m - geoid_undulation_m(geoid, lat_deg, lon_deg), degrees(now.heading_rad),
-            degrees(now.pitch_rad), degrees(now.bank_rad));
+    fprintf(telemetry->file, "%.3f,%.8f,%.8f,%.2f,%.2f,%.2f,%.2f,", t_s, lat_deg, lon_deg,
+            now.h_m - geoid_undulation_m(geoid, lat_deg, lon_deg), degrees(now.heading_rad), degrees(now.pitch_rad),
+            degrees(now.bank_rad));
     if (now.over_ground) // else nothing is known of it
         fprintf(telemetry->file, "%.2f", now.above_ground_m);
     fprintf(telemetry->file, ",%.2f,%.2f,%.2f,%.2f,%.3f,%.3f,%.3f,%s\n", now.calibrated_airspeed,
@@ -71,12 +73,22 @@ static void write_line(const Telemetry *telemetry, const Flight *flight, const G
             CONTACTS[state->contact]);
 }
 
+static void tell(Telemetry *telemetry, double t_s, const Flight *flight, const Geoid *geoid) {
+    write_line(telemetry, t_s, flight, geoid);
+    telemetry->shown_s = t_s;
+    telemetry->failed = fflush(telemetry->file) != 0;
+    if (telemetry->failed)
+        log_warn("%s: telemetry cannot be written any more: %s; flying on", telemetry->name, strerror(errno));
+}
+
 void telemetry_step(Telemetry *telemetry, const Flight *flight, const Geoid *geoid) {
-    if (!telemetry->failed && telemetry->steps % TELEMETRY_STEPS == 0) {
-        write_line(telemetry, flight, geoid);
-        telemetry->failed = fflush(telemetry->file) != 0;
-        if (telemetry->failed)
-            log_warn("%s: telemetry cannot be written any more: %s; flying on", telemetry->name, strerror(errno));
-    }
+    if (!telemetry->failed && telemetry->steps % TELEMETRY_STEPS == 0)
+        tell(telemetry, (double)telemetry->steps * FLIGHT_STEP_S, flight, geoid);
     telemetry->steps++;
+}
+
+void telemetry_show(Telemetry *telemetry, double t_s, const Flight *flight, const Geoid *geoid) {
+    bool due = !(fabs(t_s - telemetry->shown_s) < TELEMETRY_STEPS * FLIGHT_STEP_S - 1e-9); // at first it is no number
+    if (!telemetry->failed && due)
+        tell(telemetry, t_s, flight, geoid);
 }

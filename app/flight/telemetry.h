@@ -14,4 +14,6 @@ typedef struct Telemetry Telemetry;
 MUST_USE Result telemetry_create(const char *path, Telemetry **out);
 void telemetry_destroy(Telemetry **telemetry);
 // After each step; every TELEMETRY_STEPS a line. A file that cannot be written any more is told once.
+// Of a replay: at times of the recorded flight, which may go backwards.
+void telemetry_show(Telemetry *telemetry, double t_s, const Flight *flight, const Geoid *geoid);
 void telemetry_step(Telemetry *telemetry, const Flight *flight, const Geoid *geoid);

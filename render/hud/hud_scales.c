@@ -72,6 +72,7 @@ typedef struct Scale {
     double value, per_unit; // what one unit of length means
     int step, label_step;   // of marks, in the value's unit
     float side;
+    double least; // no mark below
 } Scale;
 
 static void paint_scale_mark(const HudPainter *painter, const Scale *scale, double mark, float y, double opacity) {
@@ -105,7 +106,7 @@ static void paint_scale(const HudPainter *painter, const Scale *scale) {
         double opacity = hud_fade(fabs(off), half * 0.7, half - 4.0 * u);
         // The middle of the scale, where the readout lies, has no marks.
         opacity *= 1.0 - hud_fade(fabs(off), 19.0 * u, 24.0 * u);
-        if (opacity > 0.0)
+        if (opacity > 0.0 && mark >= scale->least)
             paint_scale_mark(painter, scale, mark, middle - (float)off, opacity);
     }
 }
@@ -129,13 +130,13 @@ static bool has_third_note(CanvasRect box, float unit) {
     return box.y1 - box.y0 >= 50.0f * unit;
 }
 
-static void paint_throttle(const HudPainter *painter, double throttle) {
+static void paint_throttle(const HudPainter *painter, double throttle, bool autopilot) {
     const HudLayout *layout = &painter->layout;
     float u = layout->unit, share = (float)fmin(fmax(throttle, 0.0), 1.0);
     char text[HUD_NUMBER_BYTES + 4], number[HUD_NUMBER_BYTES];
     hud_format_fixed(number, throttle * 100.0, 0);
     snprintf(text, sizeof text, "%s %%", number);
-    paint_note(painter, layout->speed_notes, 0, &(Note){"THR", text, HUD_INK});
+    paint_note(painter, layout->speed_notes, 0, &(Note){autopilot ? "AP" : "THR", text, HUD_INK});
     CanvasRect bar = {layout->speed_notes.x0, layout->speed_notes.y0 + 24.0f * u, layout->speed_notes.x1,
                       layout->speed_notes.y0 + 29.0f * u};
     canvas_box(painter->canvas, bar, 2.0f * u, HUD_PLATE_DENSE);
@@ -153,21 +154,20 @@ static void paint_configuration(const HudPainter *painter, const RenderHud *hud)
         snprintf(flaps, sizeof flaps, "FLP %s %%", number);
     bool moves = hud->gear > 0.0 && hud->gear < 1.0;
     const char *gear = !hud->gear_retracts ? "" : moves ? "GEAR ..." : hud->gear > 0.0 ? "GEAR DN" : "GEAR UP";
-    Note note = {hud->autopilot && !flaps[0] ? "AP" : flaps, hud->brakes ? "BRAKE" : gear,
-                 moves || hud->brakes ? HUD_WARN : HUD_INK};
+    Note note = {flaps, hud->brakes ? "BRAKE" : gear, moves || hud->brakes ? HUD_WARN : HUD_INK};
     paint_note(painter, painter->layout.speed_notes, 2, &note);
 }
 
 static void paint_speed(const HudPainter *painter, const RenderHud *hud) {
     const HudLayout *layout = &painter->layout;
     double speed = hud->speed_m_s * KMH_PER_M_S;
-    Scale scale = {layout->speed_scale, layout->speed_box, speed, 0.5, 10, 20, 1.0f};
+    Scale scale = {layout->speed_scale, layout->speed_box, speed, 0.5, 10, 20, 1.0f, 0.0};
     paint_scale(painter, &scale);
     char value[HUD_NUMBER_BYTES];
     hud_format_fixed(value, speed, 0);
     paint_readout(painter, layout->speed_box, value, HUD_INK);
     paint_note(painter, layout->speed_title, 0, &(Note){"", "km/h", HUD_DIM});
-    paint_throttle(painter, hud->throttle);
+    paint_throttle(painter, hud->throttle, hud->autopilot);
     paint_configuration(painter, hud);
 }
 
@@ -180,8 +180,10 @@ static void paint_altitude_notes(const HudPainter *painter, const RenderHud *hud
     paint_note(painter, layout->altitude_notes, 0, &(Note){"AGL", text, low ? HUD_WARN : HUD_INK});
     hud_format_signed(number, hud->vertical_speed_m_s, 1);
     snprintf(text, sizeof text, "%s m/s", number);
-    paint_note(painter, layout->altitude_notes, 1, &(Note){"V/S", text, HUD_INK});
-    if (!isfinite(hud->alpha_rad) || !has_third_note(layout->altitude_notes, layout->unit))
+    bool third = has_third_note(layout->altitude_notes, layout->unit), alarm = hud->stalls && !third;
+    paint_note(painter, layout->altitude_notes, 1,
+               &(Note){alarm ? "STALL" : "V/S", text, alarm ? HUD_WARN : HUD_INK}); // a warning always has a place
+    if (!isfinite(hud->alpha_rad) || !third)
         return;
     hud_format_signed(number, hud->alpha_rad * DEG_PER_RAD, 1);
     snprintf(text, sizeof text, "%s\xC2\xB0", number);
@@ -191,7 +193,7 @@ static void paint_altitude_notes(const HudPainter *painter, const RenderHud *hud
 
 static void paint_altitude(const HudPainter *painter, const RenderHud *hud) {
     const HudLayout *layout = &painter->layout;
-    Scale scale = {layout->altitude_scale, layout->altitude_box, hud->altitude_m, 2.5, 50, 100, -1.0f};
+    Scale scale = {layout->altitude_scale, layout->altitude_box, hud->altitude_m, 2.5, 50, 100, -1.0f, -INFINITY};
     paint_scale(painter, &scale);
     char value[HUD_NUMBER_BYTES], title[64];
     hud_format_fixed(value, hud->altitude_m, 0);
