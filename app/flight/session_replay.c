@@ -7,8 +7,11 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #define RATE_NORMAL 3 // of --time-rate's choices: 1
+#define SPEED_LOOKS 40
+#define SLOW_M_S 80.0
 
 static void tell_difference(FlightSession *session) {
     char when[RECORDING_TIME_BYTES], message[PIPELINE_MESSAGE_BYTES];
@@ -46,12 +49,38 @@ static Result find_start(FlightSession *session, const Options *options) {
     return RESULT_OK;
 }
 
+// Metres a second, over the whole track: as the speeds at evenly spread times say.
+static double mean_speed(Playback *playback) {
+    double sum = 0.0, duration_s = playback_duration_s(playback);
+    for (int i = 0; i < SPEED_LOOKS; i++)
+        sum += vec3d_length(playback_at(playback, duration_s * (i + 0.5) / SPEED_LOOKS).state.velocity_ecef);
+    return sum / SPEED_LOOKS;
+}
+
+// A track does not say what flew it: most IGC files are of gliders, and what is slow is no jet.
+static Result guess_aircraft(FlightSession *session, const Options *options) {
+    if (options_is_given(options, OPTION_AIRCRAFT))
+        return RESULT_OK;
+    bool glides = strcmp(playback_format(session->playback), "igc") == 0;
+    bool slow = mean_speed(session->playback) < SLOW_M_S;
+    session->aircraft_name = glides ? "ask21" : slow ? "c172" : AIRCRAFT_DEFAULT;
+    return aircraft_load(session->aircraft_name, &session->aircraft);
+}
+
+static Result take_aircraft(FlightSession *session, const Options *options) {
+    const Aircraft *recorded = playback_aircraft(session->playback);
+    if (!recorded)
+        return guess_aircraft(session, options);
+    session->aircraft = *recorded;
+    session->aircraft_name = playback_header(session->playback)->environment[RECORDING_AIRCRAFT];
+    return RESULT_OK;
+}
+
 Result session_begin_replay(FlightSession *session, Playback *playback, const Options *options) {
     session->playback = playback;
-    if (playback_aircraft(playback)) {
-        session->aircraft = *playback_aircraft(playback);
-        session->aircraft_name = playback_header(playback)->environment[RECORDING_AIRCRAFT];
-    }
+    Result aircraft = take_aircraft(session, options);
+    if (aircraft != RESULT_OK)
+        return aircraft;
     session->flight.wind_ecef = playback_wind(playback);
     session->demo_flies = false;
     session->timeline = timeline_create(playback_duration_s(playback));
