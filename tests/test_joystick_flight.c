@@ -164,7 +164,7 @@ static void expect_to_fly_on(Cockpit *cockpit, double aileron, double throttle) 
             fail_msg("step %d: aileron %.9f, expected %.9f", i, found, expected);
     }
     print_message("on the screen: %s\n", cockpit->session->message);
-    assert_non_null(strstr(cockpit->session->message, "Nobody Pretended"));
+    assert_non_null(strstr(cockpit->session->message, "Pretended")); // its maker is not always told
     assert_non_null(strstr(cockpit->session->message, "was unplugged: the keyboard flies"));
     assert_true(cockpit->session->message_s > 0.0);
     cockpit_fly(cockpit, 120 * 5);
