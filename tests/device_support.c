@@ -180,18 +180,19 @@ static void stick_paths(const FakeStick *stick, gchar *paths[4]) {
     paths[0] = g_strdup_printf("%s/hidraw/hidraw%d", paths[1], stick->number);
 }
 
+// What holds the others comes first, as in a kernel: the node is announced when all of it is there.
 static gchar *stick_blocks(const FakeStick *stick, const FakeStickModel *model, gchar *const paths[4]) {
     gchar *hex = hex_of(model->descriptor, model->descriptor_bytes);
     gchar *blocks = g_strdup_printf(
-        "P: %s\nN: hidraw%d\nE: DEVNAME=/dev/hidraw%d\nE: SUBSYSTEM=hidraw\nE: MAJOR=241\nE: MINOR=%d\n"
-        "L: device=../../../%s\n\n"
+        "P: %s\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\nA: idVendor=%04x\\n\nA: idProduct=%04x\\n\n"
+        "A: manufacturer=Nobody\\n\nA: product=%s\\n\nA: bcdDevice=0100\\n\n\n"
+        "P: %s\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_interface\nA: bInterfaceNumber=00\\n\n\n"
         "P: %s\nE: SUBSYSTEM=hid\nE: DRIVER=hid-generic\nE: HID_ID=0003:%08X:%08X\nE: HID_NAME=%s\nE: HID_UNIQ=\n"
         "H: report_descriptor=%s\n\n"
-        "P: %s\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_interface\nA: bInterfaceNumber=00\\n\n\n"
-        "P: %s\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\nA: idVendor=%04x\\n\nA: idProduct=%04x\\n\n"
-        "A: manufacturer=Nobody\\n\nA: product=%s\\n\nA: bcdDevice=0100\\n\n",
-        paths[0], stick->number, stick->number, stick->number, strrchr(paths[1], '/') + 1, paths[1], model->vendor,
-        model->product, model->name, hex, paths[2], paths[3], model->vendor, model->product, model->name);
+        "P: %s\nN: hidraw%d\nE: DEVNAME=/dev/hidraw%d\nE: SUBSYSTEM=hidraw\nE: MAJOR=241\nE: MINOR=%d\n"
+        "L: device=../../../%s\n",
+        paths[3], model->vendor, model->product, model->name, paths[2], paths[1], model->vendor, model->product,
+        model->name, hex, paths[0], stick->number, stick->number, stick->number, strrchr(paths[1], '/') + 1);
     g_free(hex);
     return blocks;
 }
