@@ -62,6 +62,7 @@ static Result check_track(const Fly *fly) {
 
 static Result start_replay(Fly *fly) {
     PlaybackOptions playback = {.how = track_reading_default(),
+                                .aircraft = replay_aircraft(fly->options),
                                 .ground = fly->session->flight.ground,
                                 .dem_hash = dem_hash(terrain_dem(fly->world.terrain))};
     playback.how.geoid = fly->world.geoid;
