@@ -113,8 +113,8 @@
       "for a stand: the demo begins again at its end, on Esc, and when nobody steers for --idle")                      \
     X(IDLE, "idle", 0, NUMBER, "S", "45", 1, 86400, NULL, COMMAND_DEMO,                                                \
       "with --kiosk: seconds until the demo begins again")                                                             \
-    X(AIRCRAFT, "aircraft", 0, TEXT, "NAME|FILE", "t37", 0, 0, NULL, COMMANDS_FLOWN,                                   \
-      "what is flown: one that 'overfly aircraft' lists, or an aircraft file")                                         \
+    X(AIRCRAFT, "aircraft", 0, TEXT, "NAME|FILE", "t37", 0, 0, NULL, COMMANDS_FLIGHT,                                  \
+      "what is flown: one that 'overfly aircraft' lists, or an aircraft file; replaying: instead of what was recorded")\
     X(TRIM, "trim", 0, FLAG, NULL, "true", 0, 0, NULL, COMMANDS_FLOWN, "start in steady flight")                       \
     X(ON_GROUND, "on-ground", 0, FLAG, NULL, "false", 0, 0, NULL, COMMANDS_FLOWN, "start standing on the ground")      \
     X(ASSIST, "assist", 0, FLAG, NULL, "true", 0, 0, NULL, COMMANDS_FLOWN,                                             \

@@ -28,17 +28,29 @@ static Result refuse_other_command(const char *name) {
     return RESULT_USAGE;
 }
 
-static Result take_value(Reading *reading, OptionId id, const char *attached, const char *shown) {
-    const char *text = attached;
-    if (!text && reading->next < reading->argc)
-        text = reading->argv[reading->next++];
-    if (!text) {
-        char expected[320];
-        option_describe_expected(option_spec(id), expected, sizeof expected);
-        log_error("%s: a value is missing; expected %s", shown, expected);
-        return RESULT_USAGE;
+// What comes next as a value. An option in its place is what follows a forgotten value, and no file is meant by it.
+static const char *next_value(Reading *reading, OptionId id, const char *shown) {
+    char expected[320];
+    const char *next = reading->next < reading->argc ? reading->argv[reading->next] : NULL;
+    bool is_option = next && strncmp(next, "--", 2) == 0;
+    if (next && !is_option) {
+        reading->next++;
+        return next;
     }
-    return options_set(reading->options, id, text, SOURCE_COMMAND_LINE, shown);
+    option_describe_expected(option_spec(id), expected, sizeof expected);
+    if (!is_option)
+        log_error("%s: a value is missing; expected %s", shown, expected);
+    else if (option_spec(id)->type == OPTION_TYPE_PATH)
+        log_error("%s: a value is missing; expected %s; found '%s' (for a file of that name: ./%s)", shown, expected,
+                  next, next);
+    else
+        log_error("%s: a value is missing; expected %s; found '%s'", shown, expected, next);
+    return NULL;
+}
+
+static Result take_value(Reading *reading, OptionId id, const char *attached, const char *shown) {
+    const char *text = attached ? attached : next_value(reading, id, shown);
+    return text ? options_set(reading->options, id, text, SOURCE_COMMAND_LINE, shown) : RESULT_USAGE;
 }
 
 static bool is_flag(int id) {

@@ -157,6 +157,36 @@ def folders_for_pictures_are_looked_at_before_the_work(cli):
     cli.refused(1, "plain: is a file, not a folder", "fly", *lost, "--pictures", "plain")
     cli.refused(1, "no file can be made in it", "fly", *lost, "--pictures", "/proc")
     cli.refused(1, "nowhere.tif", "fly", *lost, "--screenshot", "x.png", "--pictures", "made")
+    cli.refused(1, "mkdir -p 'nowhere'", "replay", "lost.igc", *lost, "--video", "nowhere/x.mp4")
+    cli.refused(1, "mkdir -p 'nowhere'", "fly", *lost, "--record", "nowhere/x.ofr")
+    cli.refused(1, "mkdir -p 'nowhere'", "fly", *lost, "--telemetry", "nowhere/x.csv")
+
+
+def files_of_other_kinds_are_not_written_over(cli):
+    fly = ["fly", "nowhere.tif", "--no-window", "--frames", "1"]
+    notes = cli.write("notes.csv", "t_s,what\n0,words\n")
+    plain = cli.write("plain.ofr", "no recording")
+    cli.refused(2, "ends in .ofr; found 'notes.csv'", *fly, "--record", "notes.csv")
+    cli.refused(2, "no recording of this program", *fly, "--record", "plain.ofr")
+    cli.refused(2, "no telemetry of this program", *fly, "--telemetry", "notes.csv")
+    cli.refused(2, ".ofr are of recordings", *fly, "--record", "new.ofr", "--telemetry", "./new.ofr")
+    cli.refused(2, "the flight that is replayed", "replay", "notes.csv", "--telemetry", "./notes.csv")
+    cli.refused(2, "--record: a value is missing", *fly, "--record", "--no-window")
+    for path, text in ((notes, "t_s,what\n0,words\n"), (plain, "no recording")):
+        with open(path, encoding="utf-8") as file:
+            expect(f"{path} as it was", file.read(), text)
+    run = ["fly", *SMALL, "--no-window", "--demo", "--frames", "2", "--telemetry"]
+    for _ in range(2):
+        cli.json(*run, "own.csv")
+
+
+def options_that_change_nothing_are_told(cli):
+    demo = ["demo", "round", *SMALL, "--no-window", "--frames", "1"]
+    cli.warned("--idle changes nothing without --kiosk", *demo, "--idle", "9")
+    cli.write("short.csv", "t_s,lat_deg,lon_deg,alt_m\n0,36.58,-84.24,1500\n1,36.581,-84.24,1500\n")
+    cli.warned("--every changes nothing without --pictures", "replay", "short.csv", *SMALL, "--no-window", "--frames", "1", "--every",
+               "2")
+    cli.refused(2, "demo list: expected nothing more; found 'extra'", "demo", "list", "extra")
 
 
 def a_wrong_image_is_refused_in_one_message(cli):
@@ -595,12 +625,20 @@ def another_flight_is_told_from_its_step_on(cli):
     run = cli.run("replay", "a.ofr", "--verify")
     expect(f"exit status, having said {run.err!r}", run.code, 1)
     expect_in("verdict", "another flight from step 0 on (0:00:00)", run.out)
-    expect_in("warning", "other figures of the aircraft 'mine.aircraft'", run.err)
+    expect_in("warning", f"other figures of the aircraft '{os.path.realpath(cli.path('mine.aircraft'))}'", run.err)
     run = cli.run("replay", "a.ofr", "--verify", "--json")
     expect("exit status with --json", run.code, 1)
     for field, wanted in (("equal", False), ("first_difference_step", 0)):
         expect(field, json.loads(run.out)[field], wanted)
     expect_in("conversion", "another flight from step 0 on", cli.run("convert", "a.ofr", "a.csv").err)
+    os.remove(cli.path("mine.aircraft"))
+    cli.write("moved/mine.aircraft", figures)
+    cli.refused(1, ["mine.aircraft", "--aircraft NAME|FILE"], "replay", "a.ofr", "--verify")
+    run = cli.run("replay", "a.ofr", "--verify", "--aircraft", "moved/mine.aircraft")
+    expect("with the file named: exit status, warnings", (run.code, "warning: " in run.err), (0, False))
+    run = cli.run("replay", "a.ofr", "--verify", "--aircraft", "c172")
+    expect("with another: exit status", run.code, 1)
+    expect_in("warning", "the figures of 'c172' are others", run.err)
 
 
 def a_damaged_recording_says_what_is_lost(cli):
@@ -620,7 +658,8 @@ def a_damaged_recording_says_what_is_lost(cli):
     run = cli.run("replay", "a.ofr", "--verify")
     expect(f"exit status of a damaged one, having said {run.err!r}", run.code, 0)
     expect_in("what is lost", "the replay has a gap there", run.err)
-    expect_in("what is missing", "steps are lost in the file", run.out)
+    for part in ("what is left is the same flight", "steps are lost in the file"):
+        expect_in("what is missing", part, run.out)
 
 
 def replays_that_cannot_be_are_refused(cli):
@@ -641,7 +680,10 @@ def replays_that_cannot_be_are_refused(cli):
     cli.refused(2, ["--at", "found 'noon'"], *replay, "a.ofr", "--at", "noon")
     cli.refused(2, "the flight that is replayed", *replay, "a.ofr", "--record", "./a.ofr")
     cli.refused(1, ["nowhere: not a folder", "mkdir -p"], "fly", *RECORDED, "--record", "nowhere/b.ofr")
-    cli.refused(1, "a folder", "fly", *RECORDED, "--record", ".")
+    os.mkdir(cli.path("folder.ofr"))
+    cli.refused(1, "a folder", "fly", *RECORDED, "--record", "folder.ofr")
+    cli.write("junk.ofr", "junk")
+    cli.refused(1, "expected a flight as .ofr, .igc", *replay, "junk.ofr")
     expect("the recording is as it was", cli.json("replay", "a.ofr", "--verify")["equal"], True)
 
 
@@ -719,7 +761,8 @@ def a_flight_goes_on_when_the_disk_is_full(cli):
 CASES = [help_is_instant_and_complete, help_comes_even_with_a_damaged_file, wrong_usage_is_exit_2,
          a_wrong_kind_of_errors_is_told_the_right_ones,
          options_may_come_before_the_subcommand, a_damaged_file_is_named_with_its_line, sources_win_in_order, missing_files_are_named,
-         folders_for_pictures_are_looked_at_before_the_work,
+         folders_for_pictures_are_looked_at_before_the_work, files_of_other_kinds_are_not_written_over,
+         options_that_change_nothing_are_told,
          a_wrong_image_is_refused_in_one_message, image_bounds_without_an_image_are_wrong_usage,
          an_image_beside_the_terrain_is_warned_of, an_eye_under_the_ground_is_warned_of,
          missing_files_are_named_before_a_window_is_wanted, info_names_every_file, overlapping_files_are_warned_of,

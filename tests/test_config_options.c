@@ -135,6 +135,9 @@ static void wrong_options_are_named_with_what_was_expected(void **state) {
     static const Wrong wrongs[] = {
         {{"--tua", "1"}, 2, "did you mean '--tau'"},
         {{"--no-widnow"}, 1, "--no-widnow"},
+        {{"--record", "--no-window"}, 2, "--record: a value is missing"},
+        {{"--record", "--x", "--demo"}, 3, "for a file of that name: ./--x"},
+        {{"--tau", "--demo"}, 2, "--tau: a value is missing"},
         {{"--metod", "brute"}, 2, "did you mean '--method'"},
         {{"--method", "hybird"}, 2, "did you mean 'hybrid'"},
         {{"--method", "best"}, 2, "one of hybrid, patch, roam, roam-parallel, geomipmap, geomipmap-ye, diamond, brute"},

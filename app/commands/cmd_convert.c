@@ -96,7 +96,8 @@ static Result fly_again(Convert *c, TrackReading how) {
         result = replay_load_scene(c->options, c->in, &c->world);
     if (result != RESULT_OK)
         return result;
-    const PlaybackOptions options = {how, session_ground(&c->world), dem_hash(terrain_dem(c->world.terrain))};
+    const PlaybackOptions options = {
+        .how = how, .ground = session_ground(&c->world), .dem_hash = dem_hash(terrain_dem(c->world.terrain))};
     result = playback_open(c->in, &options, &playback);
     if (result == RESULT_OK)
         result = playback_track(playback, interval_s(c), &c->track);

@@ -30,10 +30,15 @@ static Result print_list(const Options *options) {
     return result;
 }
 
+static Result refuse_extra(const Options *options) {
+    log_error("demo list: expected nothing more; found '%s'", options_positionals(options)[1]);
+    return RESULT_USAGE;
+}
+
 Result cmd_demo(const Options *options) {
     const char *name = options_positional_count(options) > 0 ? options_positionals(options)[0] : "";
     if (strcmp(name, "list") == 0)
-        return print_list(options);
+        return options_positional_count(options) == 1 ? print_list(options) : refuse_extra(options);
     if (*name)
         return fly_run(options, NULL);
     log_error("demo: expected 'list', or a demo's name; found nothing");

@@ -1,4 +1,4 @@
-#define _POSIX_C_SOURCE 200809L
+#define _XOPEN_SOURCE 700 // realpath
 #include "app/flight/flight_recorder.h"
 
 #include "app/version.h"
@@ -48,6 +48,14 @@ static void set_time(RecordingHeader *header) {
         recording_header_set(header, RECORDING_START_UTC, "%s", when);
 }
 
+// The name of an aircraft file is one from where the program was started, and is needed from anywhere.
+static void set_aircraft(RecordingHeader *header, const char *name) {
+    char *path = realpath(name, NULL); // NULL: no file, but an aircraft that came with the program
+    bool fits = path && strlen(path) < RECORDING_VALUE_BYTES;
+    recording_header_set(header, RECORDING_AIRCRAFT, "%s", fits ? path : name);
+    free(path);
+}
+
 void flight_recording_header(const World *world, const RecordedFlight *flown, RecordingHeader *out) {
     const Dem *dem = terrain_dem(world->terrain);
     const Flight *flight = flown->flight;
@@ -57,7 +65,7 @@ void flight_recording_header(const World *world, const RecordedFlight *flown, Re
     set_time(out);
     recording_header_set(out, RECORDING_DEM, "%s", dem->file);
     recording_header_set(out, RECORDING_DEM_HASH, "%016llx", (unsigned long long)dem_hash(dem));
-    recording_header_set(out, RECORDING_AIRCRAFT, "%s", flown->aircraft);
+    set_aircraft(out, flown->aircraft);
     recording_header_set(out, RECORDING_AIRCRAFT_HASH, "%016llx",
                          (unsigned long long)flight_recording_aircraft_hash(flight->aircraft));
     recording_header_set(out, RECORDING_WEATHER, "wind %.17g %.17g %.17g m/s ECEF", flight->wind_ecef.x,

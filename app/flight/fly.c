@@ -3,13 +3,11 @@
 #include "app/flight/flight_loop.h"
 #include "app/flight/flight_pipeline.h"
 #include "app/flight/flight_report.h"
+#include "app/flight/fly_outputs.h"
 #include "app/picture_options.h"
-#include "app/pipeline/picture.h"
 #include "app/replay/replay_scene.h"
 #include "base/log.h"
-#include "config/files.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 // Everything a flight needs, in the order of its making.
@@ -28,51 +26,6 @@ typedef struct Fly {
     Pipeline *pipeline;
     Monitor *monitor;
 } Fly;
-
-// Pictures that repeat must not depend on how long the one before took.
-static Result check_target(const Options *options) {
-    if (!options_is_set(options, OPTION_TARGET_MS) || !options_flag(options, OPTION_LOCKSTEP))
-        return RESULT_OK;
-    log_error(
-        "--target-ms and --lockstep: expected one of them: a tolerance that follows the frame time would make the "
-        "pictures depend on the clock; take --tau or --max-triangles with --lockstep");
-    return RESULT_USAGE;
-}
-
-// A film has whole frames a second.
-static Result check_video(const Options *options) {
-    const char *video = options_text(options, OPTION_VIDEO);
-    double fps = options_number(options, OPTION_FPS);
-    if (!video)
-        return RESULT_OK;
-    if (fps != floor(fps)) {
-        log_error("--fps with --video: expected a whole number of frames a second; found %g", fps);
-        return RESULT_USAGE;
-    }
-    return video_check_name(video, "--video");
-}
-
-static Result check_record(const Fly *fly) {
-    const char *record = options_text(fly->options, OPTION_RECORD);
-    if (!record || !fly->track || !files_are_same(record, fly->track))
-        return record ? files_check_writable(record) : RESULT_OK;
-    log_error("--record: %s is the flight that is replayed; name another file", record);
-    return RESULT_USAGE;
-}
-
-static Result check_outputs(const Fly *fly) {
-    const Options *options = fly->options;
-    const char *screenshot = options_text(options, OPTION_SCREENSHOT),
-               *pictures = options_text(options, OPTION_PICTURES);
-    Result result = check_record(fly);
-    if (result == RESULT_OK && screenshot)
-        result = picture_check_name(screenshot, "--screenshot");
-    if (result == RESULT_OK && pictures)
-        result = files_make_folder(pictures);
-    if (result == RESULT_OK && pictures)
-        result = files_check_folder(pictures);
-    return result == RESULT_OK ? check_video(options) : result;
-}
 
 // Whether the flight ends by itself, so that it makes sense without a window.
 static bool ends_by_itself(const Fly *fly) {
@@ -109,6 +62,7 @@ static Result check_track(const Fly *fly) {
 
 static Result start_replay(Fly *fly) {
     PlaybackOptions playback = {.how = track_reading_default(),
+                                .aircraft = replay_aircraft(fly->options),
                                 .ground = fly->session->flight.ground,
                                 .dem_hash = dem_hash(terrain_dem(fly->world.terrain))};
     playback.how.geoid = fly->world.geoid;
@@ -193,9 +147,7 @@ static Result report(const Fly *fly) {
 }
 
 static Result prepare(Fly *fly) {
-    Result result = check_target(fly->options);
-    if (result == RESULT_OK)
-        result = check_outputs(fly);
+    Result result = fly_check_outputs(fly->options, fly->track);
     if (result == RESULT_OK)
         result = check_track(fly);
     if (result == RESULT_OK)

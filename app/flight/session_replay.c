@@ -72,7 +72,7 @@ static Result take_aircraft(FlightSession *session, const Options *options) {
     if (!recorded)
         return guess_aircraft(session, options);
     session->aircraft = *recorded;
-    session->aircraft_name = playback_header(session->playback)->environment[RECORDING_AIRCRAFT];
+    session->aircraft_name = playback_aircraft_name(session->playback);
     return RESULT_OK;
 }
 

@@ -17,11 +17,22 @@ struct Telemetry {
     bool failed;
 };
 
+static const char head[] =
+    "t_s,lat_deg,lon_deg,alt_m,heading_deg,pitch_deg,bank_deg,above_ground_m,airspeed_m_s,vertical_speed_m_s,"
+    "alpha_deg,load_factor,throttle,flaps,gear,contact\n";
+
 static void write_head(Telemetry *telemetry) {
-    fputs("t_s,lat_deg,lon_deg,alt_m,heading_deg,pitch_deg,bank_deg,above_ground_m,airspeed_m_s,vertical_speed_m_s,"
-          "alpha_deg,load_factor,throttle,flaps,gear,contact\n",
-          telemetry->file);
+    fputs(head, telemetry->file);
     fflush(telemetry->file);
+}
+
+bool telemetry_is_one(const char *path) {
+    char begin[sizeof head - 1];
+    FILE *file = fopen(path, "rb");
+    size_t count = file ? fread(begin, 1, sizeof begin, file) : 0;
+    if (file)
+        fclose(file);
+    return count == sizeof begin && memcmp(begin, head, sizeof begin) == 0;
 }
 
 Result telemetry_create(const char *path, Telemetry **out) {

@@ -9,6 +9,9 @@
 
 typedef struct Telemetry Telemetry;
 
+// Whether a regular file begins as what is written here; what cannot be read does not.
+bool telemetry_is_one(const char *path);
+
 // "-": standard output. Its first line names the columns; those of a track come first, so that it can be replayed.
 // NOT_FOUND, IO: logged; MEMORY.
 MUST_USE Result telemetry_create(const char *path, Telemetry **out);

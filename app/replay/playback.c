@@ -23,6 +23,7 @@ struct Playback {
     RecordingReader *reader;
     RecordingPlayer *player;
     Aircraft aircraft;
+    const char *aircraft_name; // the options' or the reader's
     Flight flight;
     RecordingSim sim;
     uint32_t first, end; // steps
@@ -59,12 +60,29 @@ static void warn_of_differences(const RecordingHeader *header, const Playback *p
     char hash[32];
     snprintf(hash, sizeof hash, "%016" PRIx64, dem_hash);
     if (strcmp(hash, header->environment[RECORDING_DEM_HASH]) != 0)
-        log_warn("recorded over another elevation model (%s): where wheels touch it, the flight differs",
+        log_warn("recorded over another elevation model (%s): near the ground the flight differs",
                  header->environment[RECORDING_DEM]);
     snprintf(hash, sizeof hash, "%016" PRIx64, flight_recording_aircraft_hash(&playback->aircraft));
-    if (strcmp(hash, header->environment[RECORDING_AIRCRAFT_HASH]) != 0)
+    if (strcmp(hash, header->environment[RECORDING_AIRCRAFT_HASH]) == 0)
+        return;
+    const char *recorded = header->environment[RECORDING_AIRCRAFT];
+    if (strcmp(recorded, playback->aircraft_name) == 0)
         log_warn("recorded with other figures of the aircraft '%s': the flight differs from its first step on",
-                 header->environment[RECORDING_AIRCRAFT]);
+                 recorded);
+    else
+        log_warn("recorded with the aircraft '%s', and the figures of '%s' are others: the flight differs from its "
+                 "first step on",
+                 recorded, playback->aircraft_name);
+}
+
+static Result load_aircraft(const char *path, const RecordingHeader *header, const char *named, Playback *playback) {
+    playback->aircraft_name = named ? named : header->environment[RECORDING_AIRCRAFT];
+    Result result = aircraft_load(playback->aircraft_name, &playback->aircraft);
+    if (result != RESULT_OK && !named)
+        log_info("%s was recorded with the aircraft '%s'; have it there again, or name it as it is here:\n"
+                 "  overfly replay %s --aircraft NAME|FILE",
+                 path, playback->aircraft_name, path);
+    return result;
 }
 
 static Result open_recording(const char *path, const PlaybackOptions *options, Playback *playback) {
@@ -72,7 +90,7 @@ static Result open_recording(const char *path, const PlaybackOptions *options, P
     if (result != RESULT_OK)
         return result;
     const RecordingHeader *header = recording_reader_header(playback->reader);
-    result = aircraft_load(header->environment[RECORDING_AIRCRAFT], &playback->aircraft);
+    result = load_aircraft(path, header, options->aircraft, playback);
     if (result != RESULT_OK)
         return result;
     warn_of_differences(header, playback, options->dem_hash);
@@ -125,6 +143,10 @@ const char *playback_format(const Playback *playback) {
 
 const Aircraft *playback_aircraft(const Playback *playback) {
     return playback->reader ? &playback->aircraft : NULL;
+}
+
+const char *playback_aircraft_name(const Playback *playback) {
+    return playback->aircraft_name;
 }
 
 Vec3d playback_wind(const Playback *playback) {

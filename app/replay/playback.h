@@ -18,9 +18,10 @@ typedef struct PlaybackMoment {
 typedef struct Playback Playback;
 
 typedef struct PlaybackOptions {
-    TrackReading how;    // its geoid is borrowed
-    FlightGround ground; // that recordings are flown over again
-    uint64_t dem_hash;   // of that ground
+    TrackReading how;     // its geoid is borrowed
+    const char *aircraft; // instead of a recording's own; NULL: that; borrowed as long as the playback lives
+    FlightGround ground;  // that recordings are flown over again
+    uint64_t dem_hash;    // of that ground
 } PlaybackOptions;
 
 // Whether the file is a recording of this program (.ofr), by what it begins with; what cannot be read is not.
@@ -36,9 +37,10 @@ void playback_close(Playback **playback);
 // What the recording says of itself, the playback's; NULL: it is none.
 const RecordingHeader *playback_header(const Playback *playback);
 double playback_duration_s(const Playback *playback);
-const char *playback_format(const Playback *playback);       // "igc"; "ofr" of recordings; static
-const Aircraft *playback_aircraft(const Playback *playback); // of a recording, the playback's; NULL else
-Vec3d playback_wind(const Playback *playback);               // velocity of the air, m/s; of a track none
+const char *playback_format(const Playback *playback);        // "igc"; "ofr" of recordings; static
+const Aircraft *playback_aircraft(const Playback *playback);  // of a recording, the playback's; NULL else
+const char *playback_aircraft_name(const Playback *playback); // what aircraft_load found that by; NULL else
+Vec3d playback_wind(const Playback *playback);                // velocity of the air, m/s; of a track none
 // Before the begin and after the end it stands still. A recording is flown again, to the bit, from at most 10 s before;
 // between two steps it is shown in between, except over a jump: a new start.
 PlaybackMoment playback_at(Playback *playback, double t_s);

@@ -49,6 +49,11 @@ static void tell_remedy(const Options *options, const char *track, const Names *
                  track, names->words[0]);
 }
 
+const char *replay_aircraft(const Options *options) {
+    bool named = options_source(options, OPTION_AIRCRAFT) == SOURCE_COMMAND_LINE;
+    return named ? options_text(options, OPTION_AIRCRAFT) : NULL;
+}
+
 Result replay_check_scene(const Options *options, const char *track) {
     Names names;
     if (is_named(options) || !playback_is_recording(track))

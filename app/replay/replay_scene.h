@@ -1,4 +1,4 @@
-// app/replay/replay_scene.h: the land that a recorded flight is flown over again.
+// app/replay/replay_scene.h: what a recorded flight is flown over again, and with.
 // No units.
 // The world is the caller's. Main thread.
 #pragma once
@@ -9,3 +9,6 @@
 // scene. Errors of world_check_inputs and world_load; those of a recording's header.
 MUST_USE Result replay_check_scene(const Options *options, const char *track);
 MUST_USE Result replay_load_scene(const Options *options, const char *track, World *out);
+// The aircraft that the command line names instead of a recording's own, borrowed from the options; NULL: none. One in
+// a file of settings is for flights of one's own.
+const char *replay_aircraft(const Options *options);

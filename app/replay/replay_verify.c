@@ -34,7 +34,8 @@ static void print_text(const char *track, const RecordingVerdict *verdict) {
     printf("%s: %" PRIu32 " steps flown again, %.0f times as fast as time: ", track, verdict->steps,
            verdict->realtime_factor);
     if (verdict->equal)
-        printf("the same flight, hash %016" PRIx64 "\n", verdict->hash);
+        printf("%sthe same flight, hash %016" PRIx64 "\n", verdict->steps_missing > 0 ? "what is left is " : "",
+               verdict->hash);
     else
         printf("another flight from step %" PRId64 " on (%s)\n", verdict->first_difference_step,
                recording_time_text((uint64_t)verdict->first_difference_step, RECORDING_STEPS_PER_S, when));
@@ -44,6 +45,7 @@ static void print_text(const char *track, const RecordingVerdict *verdict) {
 
 static Result verify(const Options *options, const char *track, const World *world) {
     PlaybackOptions playback_options = {.how = track_reading_default(),
+                                        .aircraft = replay_aircraft(options),
                                         .ground = session_ground(world),
                                         .dem_hash = dem_hash(terrain_dem(world->terrain))};
     Playback *playback = NULL;

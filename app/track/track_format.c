@@ -127,7 +127,7 @@ static Result refuse_unknown(const char *path, const char *head) {
     if (strncmp(head, "PK\3\4", 4) == 0)
         log_error("%s: a zip archive, as .kmz and .zip.acmi are; unpack it first", path);
     else
-        log_error("%s:1: of no known format; expected a flight as %s", path, endings);
+        log_error("%s:1: of no known format; expected a flight as .ofr, %s", path, endings);
     return RESULT_FORMAT;
 }
 

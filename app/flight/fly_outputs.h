@@ -1,0 +1,10 @@
+// app/flight/fly_outputs.h: before anything slow, whether a flight can write what it is asked for.
+// No units.
+// Owns nothing. Main thread.
+#pragma once
+#include "config/options.h"
+
+// Of --record, --telemetry, --screenshot, --pictures and --video: names, folders, and that nothing is written over that
+// is not of their kind; and options that exclude each other. Those that change nothing are warned of. `track`: what is
+// replayed, or NULL. USAGE, NOT_FOUND, IO, RANGE; logged.
+MUST_USE Result fly_check_outputs(const Options *options, const char *track);
