@@ -356,6 +356,58 @@ static void the_help_for_keys_keeps_from_the_stall(void **state) {
     }
 }
 
+// Nobody touches anything, engine idle: a glide at a speed with some to spare.
+static void hands_off_at_idle_the_help_glides(void **state) {
+    (void)state;
+    for (size_t i = 0; i < COUNT_OF(flight_types); i++) {
+        Aircraft a = flight_type(flight_types[i]);
+        Flight flight = flight_in_air(&a, 3500.0, a.cruise_speed);
+        Autopilot help = {.engaged = false};
+        double most = 0.0, slowest = INFINITY;
+        for (int k = 0; k < 120 * 60; k++) {
+            Controls controls = autopilot_assist(&help, &flight, &(Controls){.throttle = 0.0}, FLIGHT_STEP_S);
+            flight_step(&flight, &controls, FLIGHT_STEP_S);
+            FlightInstruments now = flight_instruments(&flight);
+            double stall_speed = airframe_stall_speed(&a, isa_at(now.h_m).density, 0.0);
+            most = fmax(most, now.alpha_rad / a.stall_rad);
+            slowest = fmin(slowest, now.true_airspeed / stall_speed);
+        }
+        print_message("%s: hands off, 60 s: at most %.3f of the stall's angle, at least %.3f of its speed\n", a.id,
+                      most, slowest);
+        assert_true(most < 0.85 && slowest > 1.15);
+    }
+}
+
+static FlightInstruments keyed(Autopilot *help, Flight *flight, Controls pilot, double seconds, double *least_load) {
+    for (int k = 0; k < (int)(seconds * 120.0); k++) {
+        Controls controls = autopilot_assist(help, flight, &pilot, FLIGHT_STEP_S);
+        flight_step(flight, &controls, FLIGHT_STEP_S);
+        *least_load = fmin(*least_load, flight_instruments(flight).load_factor);
+    }
+    return flight_instruments(flight);
+}
+
+static void the_help_for_keys_pushes_little_and_holds_no_steep_bank(void **state) {
+    (void)state;
+    for (size_t i = 0; i < COUNT_OF(flight_types); i++) {
+        Aircraft a = flight_type(flight_types[i]);
+        Flight flight = flight_in_air(&a, 3500.0, a.cruise_speed);
+        Autopilot help = {.engaged = false};
+        double pushed = INFINITY, other = 0.0, throttle = flight.controls.throttle;
+        keyed(&help, &flight, (Controls){.throttle = throttle, .elevator = -1.0}, 1.0, &pushed);
+        flight = flight_in_air(&a, 3500.0, a.cruise_speed);
+        help = (Autopilot){.engaged = false};
+        FlightInstruments steep = {.bank_rad = 0.0};
+        for (int k = 0; k < 60 && steep.bank_rad < 1.35; k++)
+            steep = keyed(&help, &flight, (Controls){.throttle = throttle, .aileron = 1.0}, 0.1, &other);
+        FlightInstruments held = keyed(&help, &flight, (Controls){.throttle = throttle}, 6.0, &other);
+        print_message("%s: pushed to %.2f g; bank %.2f rad let go, %.2f held\n", a.id, pushed, steep.bank_rad,
+                      held.bank_rad);
+        assert_true(pushed > -0.5 && pushed < 0.2);
+        assert_true(steep.bank_rad > 1.3 && held.bank_rad > 0.9 && held.bank_rad < 1.1);
+    }
+}
+
 int main(void) {
     feenableexcept(FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW);
     const struct CMUnitTest tests[] = {
@@ -375,6 +427,8 @@ int main(void) {
         cmocka_unit_test(the_autopilot_holds_height_heading_and_speed),
         cmocka_unit_test(the_help_for_keys_holds_what_is_let_go),
         cmocka_unit_test(the_help_for_keys_keeps_from_the_stall),
+        cmocka_unit_test(hands_off_at_idle_the_help_glides),
+        cmocka_unit_test(the_help_for_keys_pushes_little_and_holds_no_steep_bank),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

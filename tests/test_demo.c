@@ -117,21 +117,27 @@ static void demos_are_flown_to_their_end(void **state) {
     check_flown("stick", 400.0);
 }
 
-// Nothing but the reports flies: a loop and a roll are in them.
+// Nothing but the reports flies: a loop and a roll are in them, and at their end the hand is taken off.
 static void the_sticks_reports_turn_the_aircraft_over(void **state) {
     (void)state;
     Stand *stand = begin("stick", false);
     FlightSession *session = &stand->session;
-    double rolled_rad = 0.0, pitched_rad = 0.0, load_most = 0.0;
-    while (session->demo_flies) {
+    double rolled_rad = 0.0, pitched_rad = 0.0, load_most = 0.0, last_bank_rad = 0.0, last_path_rad = 0.0;
+    double last_s = stick_stream_duration_s(session->demo.stick) - 6.0;
+    for (double passed_s = 0.0; session->demo_flies; passed_s += FRAME_S) {
         session_advance(session, FRAME_S);
         FlightInstruments now = flight_instruments(&session->flight);
         rolled_rad += fmax(session->flight.state.rate_body.x, 0.0) * FRAME_S;
         pitched_rad += fmax(session->flight.state.rate_body.y, 0.0) * FRAME_S;
         load_most = fmax(load_most, now.load_factor);
+        last_bank_rad = passed_s > last_s ? fmax(last_bank_rad, fabs(now.bank_rad)) : 0.0;
+        last_path_rad = passed_s > last_s ? fmax(last_path_rad, fabs(now.path_rad)) : 0.0;
     }
-    print_message("rolled right by %.1f rad, pitched up by %.1f rad, at most %.1f g\n", rolled_rad, pitched_rad,
-                  load_most);
+    print_message(
+        "rolled right by %.1f rad, pitched up by %.1f rad, at most %.1f g; in the end within %.4f rad of bank "
+        "and %.4f of path\n",
+        rolled_rad, pitched_rad, load_most, last_bank_rad, last_path_rad);
+    assert_true(last_bank_rad > 0.0 && last_bank_rad < 0.03 && last_path_rad < 0.03);
     assert_true(rolled_rad > 6.28 && pitched_rad > 6.28 && load_most > 3.0 && load_most < 6.0);
     assert_string_equal(session->aircraft.id, "t37");
     assert_int_equal(session->settings.view, CAMERA_CHASE);

@@ -262,7 +262,10 @@ static void aircraft_stand_still_on_flat_and_sloping_ground(void **state) {
         assert_int_equal(flight.state.step, 0);
         flight_on(&flight, (Controls){.brake_left = 1.0, .brake_right = 1.0}, 30.0);
         double crept = vec3d_distance(flight.state.position_ecef, from);
-        print_message("%s crept %.4f m in 30 s%s\n", a.id, crept, i % 2 ? " on a slope" : "");
+        FlightInstruments now = flight_instruments(&flight);
+        print_message("%s crept %.4f m in 30 s%s; shows %.4f g, angles %.3f and %.3f\n", a.id, crept,
+                      i % 2 ? " on a slope" : "", now.load_factor, now.alpha_rad, now.beta_rad);
+        assert_true(fabs(now.load_factor - 1.0) < 0.02 && now.alpha_rad == 0.0 && now.beta_rad == 0.0);
         assert_int_equal(flight.state.contact, FLIGHT_ROLLING);
         assert_true(crept < (i % 2 ? 0.3 : 0.1));
     }

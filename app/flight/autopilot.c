@@ -50,7 +50,8 @@ typedef struct Now {
     double roll_damping;                    // 1/s, < 0
     double pitch_steady;                    // share of the elevator that a steady rad/s of pitch takes
     double yaw_stiffness;                   // rad/s^2 for each radian of sideslip
-    double stall_speed, full_thrust, drag;  // of the flight as it is
+    double stall_speed, drag;               // of the flight as it is
+    double full_thrust, thrust;             // N, with all of the throttle and with its present place
 } Now;
 
 static Now look(const Flight *flight) {
@@ -74,6 +75,7 @@ static Now look(const Flight *flight) {
     now.stall_speed = airframe_stall_speed(a, air.density, flight->state.flaps);
     double engine = propulsion_steady(a, &air, now.speed, 1.0);
     now.full_thrust = propulsion_at(a, &air, now.speed, engine, 1.0).thrust_n;
+    now.thrust = propulsion_at(a, &air, now.speed, flight->state.engine, flight->state.throttle).thrust_n;
     double lift = a->mass * GRAVITY * fmax(now.at.load_factor, 0.0) / pressure;
     now.drag = pressure * (a->cd_0 + a->induced * lift * lift + a->cd_flaps * flight->state.flaps +
                            a->cd_gear * flight->state.gear);
@@ -141,16 +143,16 @@ static double hold_sideslip(const Flight *flight, const Now *now, double aileron
 
 // ---- holds ------------------------------------------------------------------------------------------------------
 
-// As steep as the engine can, and less when slow: height is given for speed before the stall comes.
-static double steepest_path(const Flight *flight, const Now *now) {
+// As steep as the thrust can, and less when slow: height is given for speed before the stall comes.
+static double steepest_path(const Flight *flight, const Now *now, double thrust_n) {
     double weight = flight->aircraft->mass * GRAVITY, least = SPEED_LEAST * now->stall_speed;
-    double spare = (now->full_thrust - now->drag) / weight;
+    double spare = (thrust_n - now->drag) / weight;
     return spare + 0.02 * (now->at.true_airspeed - least);
 }
 
 static double path_to_height(const Flight *flight, const Now *now, double height_m) {
     double wanted = HEIGHT_RATE * (height_m - now->at.h_m) / now->speed;
-    return clamp(wanted, -0.2, fmin(fmax(steepest_path(flight, now), -0.1), 0.3));
+    return clamp(wanted, -0.2, fmin(fmax(steepest_path(flight, now, now->full_thrust), -0.1), 0.3));
 }
 
 // A glider's path: that of its drag, steeper when slow.
@@ -246,6 +248,10 @@ bool autopilot_has_reached(const Flight *flight, const Waypoint *to) {
 
 #define ASSIST_PITCH_MOST 0.6 // rad/s at full stick, and no more load than
 #define ASSIST_LOAD 3.0       // g above that of the turn
+#define ASSIST_PUSH 1.3       // g below that of the turn, at most: -0.3 g from level flight
+#define ASSIST_BANK 1.05      // rad that are held at most
+#define ASSIST_DIVE 0.35      // rad of path that speed is sought with, at most
+#define ASSIST_FLARE_M 15.0   // above ground
 #define ASSIST_ROLL_SHARE 0.8 // of what full ailerons reach
 #define ASSIST_ROLL_MOST 1.5  // rad/s
 #define ASSIST_SIDESLIP 0.17  // rad at full rudder
@@ -260,20 +266,26 @@ static double turning_rate(const Now *now) {
     return steep ? 0.0 : GRAVITY / now->speed * (turn_load(now) - level_load(now));
 }
 
+// The throttle is the pilot's, so the path is what its thrust and the speed to spare carry. Not in the flare, where
+// speed is given up on purpose.
+static double assist_steepest(const Flight *flight, const Now *now) {
+    bool flares = now->at.over_ground && now->at.above_ground_m < ASSIST_FLARE_M;
+    return flares ? INFINITY : fmax(steepest_path(flight, now, now->thrust), -ASSIST_DIVE);
+}
+
 static double assist_pitch(Autopilot *autopilot, const Flight *flight, const Now *now, double stick, double dt_s) {
     bool bends = !autopilot->holds_path && fabs(now->at.load_factor - turn_load(now)) > ASSIST_STRAIGHT;
     if (fabs(stick) > STICK_FREE || fabs(now->at.path_rad) > ASSIST_STEEP || bends) {
         double most = fmin(ASSIST_PITCH_MOST, ASSIST_LOAD * GRAVITY / now->speed);
         autopilot->holds_path = fabs(stick) > STICK_FREE ? false : autopilot->holds_path;
-        return hold_pitch_rate(autopilot, flight, now, stick * most + turning_rate(now), dt_s);
+        double wanted = fmax(stick * most, -ASSIST_PUSH * GRAVITY / now->speed);
+        return hold_pitch_rate(autopilot, flight, now, wanted + turning_rate(now), dt_s);
     }
     if (!autopilot->holds_path) {
         autopilot->holds_path = true;
         autopilot->held_path_rad = now->at.path_rad;
     }
-    bool slow = now->at.true_airspeed < SPEED_LEAST * now->stall_speed;
-    double most = slow || flight->aircraft->engine == AIRCRAFT_GLIDER ? steepest_path(flight, now) : INFINITY;
-    return hold_path(autopilot, flight, now, fmin(autopilot->held_path_rad, most), dt_s);
+    return hold_path(autopilot, flight, now, fmin(autopilot->held_path_rad, assist_steepest(flight, now)), dt_s);
 }
 
 static double assist_roll(Autopilot *autopilot, const Now *now, double stick) {
@@ -286,7 +298,8 @@ static double assist_roll(Autopilot *autopilot, const Now *now, double stick) {
         return hold_roll_rate(now, 0.0);
     if (!autopilot->holds_bank) {
         autopilot->holds_bank = true;
-        autopilot->held_bank_rad = fabs(now->at.bank_rad) < ASSIST_LEVEL ? 0.0 : now->at.bank_rad;
+        autopilot->held_bank_rad =
+            fabs(now->at.bank_rad) < ASSIST_LEVEL ? 0.0 : clamp(now->at.bank_rad, -ASSIST_BANK, ASSIST_BANK);
     }
     return hold_bank(now, autopilot->held_bank_rad);
 }

@@ -38,6 +38,7 @@ bool autopilot_has_reached(const Flight *flight, const Waypoint *to);
 void autopilot_course(double lat_rad, double lon_rad, const Waypoint *to, double *distance_m, double *bearing_rad);
 
 // What the surfaces do when keys are the stick: it asks for a rate of pitch and of roll; let go, the path and the bank
-// stay, the wings level from below 5 degrees. The rudder asks for sideslip. Throttle, flaps, gear and brakes pass
-// through; on the ground, stalled or at angles near the vertical the stick works on the surfaces directly.
+// stay, as far as thrust and speed carry them and up to 60 degrees; the wings level from below 5. The rudder asks for
+// sideslip. Throttle, flaps, gear and brakes pass through; on the ground, stalled or at angles near the vertical the
+// stick works on the surfaces directly.
 Controls autopilot_assist(Autopilot *autopilot, const Flight *flight, const Controls *pilot, double dt_s);

@@ -92,6 +92,7 @@ static void add_gear(const Flight *flight, const FlightState *state, const Fligh
         if (!load.touches)
             continue;
         *force = vec3d_add(*force, load.force);
+        out->ground_force_body = vec3d_add(out->ground_force_body, load.force);
         *moment = vec3d_add(*moment, load.moment);
         out->wheels = (uint8_t)(out->wheels | 1u << i);
         out->sink_m_s = fmax(out->sink_m_s, load.sink_m_s);

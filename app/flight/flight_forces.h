@@ -33,7 +33,8 @@ typedef struct FlightMotion {
     Quatd attitude_change;
     Vec3d rate_change_body;
     double engine_rate;
-    Vec3d air_force_body; // N, with the thrust, without gravity and ground
+    Vec3d air_force_body;    // N, with the thrust, without gravity and ground
+    Vec3d ground_force_body; // N, of the wheels
     uint8_t wheels;
     double sink_m_s; // of the leg that comes down fastest
 } FlightMotion;

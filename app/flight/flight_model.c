@@ -13,6 +13,7 @@
 #define SETTLE_S 4.0         // on the wheels before a start on the ground
 #define STIFF_STEP 0.8       // of the Runge-Kutta scheme's stability, 2.78 along both axes
 #define PARTS_MAX 256        // of a step
+#define FLOW_LEAST 3.0       // m/s of air, below which it has no direction that means anything
 #define GROUND_PART_S 0.0021 // creeping friction is stiff
 
 static double clamp(double value, double least, double greatest) {
@@ -265,12 +266,15 @@ static void add_air(const Flight *flight, FlightInstruments *out) {
     const FlightState *state = &flight->state;
     Vec3d air = vec3d_sub(state->velocity_ecef, flight->wind_ecef);
     Vec3d air_body = quatd_rotate(quatd_conjugate(state->ecef_from_body), air);
-    airframe_angles(air_body, &out->alpha_rad, &out->beta_rad);
     out->true_airspeed = vec3d_length(air);
+    if (out->true_airspeed > FLOW_LEAST)
+        airframe_angles(air_body, &out->alpha_rad, &out->beta_rad);
     out->calibrated_airspeed = out->true_airspeed * sqrt(isa_at(out->h_m).density / ISA_DENSITY_0);
-    FlightStepSetting no_ground = flight_setting(state);
-    FlightMotion motion = flight_motion(flight, state, &no_ground);
-    out->load_factor = -motion.air_force_body.z / (flight->aircraft->mass * TRIM_GRAVITY_0);
+    FlightStepSetting setting =
+        state->wheels ? flight_look_at_ground(flight, &flight->controls) : flight_setting(state);
+    FlightMotion motion = flight_motion(flight, state, &setting);
+    double carried = motion.air_force_body.z + motion.ground_force_body.z;
+    out->load_factor = -carried / (flight->aircraft->mass * TRIM_GRAVITY_0);
 }
 
 FlightInstruments flight_instruments(const Flight *flight) {

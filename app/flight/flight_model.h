@@ -76,8 +76,8 @@ typedef struct FlightInstruments {
     double pitch_rad, bank_rad;   // bank + right wing down
     double speed_m_s, vertical_speed_m_s;
     double true_airspeed, calibrated_airspeed; // m/s; calibrated: of the same pressure at sea level, incompressible
-    double alpha_rad, beta_rad;                // against the air
-    double load_factor;                        // 1 in level flight; without the wheels
+    double alpha_rad, beta_rad;                // against the air; 0 below 3 m/s
+    double load_factor;                        // 1 in level flight, and at rest on the wheels
     double path_rad, track_rad;                // of the flight path, up and clockwise from north; heading at rest
     bool over_ground;
     double above_ground_m; // valid over ground

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #define TURN_RAD 6.283185307179586
+#define PARKED_THROTTLE 0.02 // a slider at its stop may show so much
 
 void session_say(FlightSession *session, const char *message) {
     snprintf(session->message, sizeof session->message, "%s", message);
@@ -118,6 +119,7 @@ static void begin_again(FlightSession *session) {
     session->keyboard.controls = session->flight.controls;
     session->help = session->hold = session->demo.autopilot = (Autopilot){.engaged = false};
     session->holds = false;
+    session->parked = session->flight.state.contact == FLIGHT_ROLLING;
 }
 
 // To where the flight began, as it began.
@@ -273,8 +275,17 @@ static bool wants_help(const FlightSession *session) {
     return session->assist && !(session->pilot && pilot_drives_stick(session->pilot));
 }
 
+// An engine at idle would roll the aircraft off while its pilot still looks around.
+static void hold_parked(FlightSession *session, Controls *controls) {
+    bool stands = session->flight.state.contact == FLIGHT_ROLLING;
+    session->parked = session->parked && stands && controls->throttle <= PARKED_THROTTLE;
+    if (session->parked)
+        controls->brake_left = controls->brake_right = 1.0;
+}
+
 static void step(FlightSession *session) {
     Controls controls = sample_keyboard(session);
+    hold_parked(session, &controls);
     if (session->demo_flies)
         controls = demo_fly(&session->demo, &session->flight, FLIGHT_STEP_S);
     else if (session->holds)

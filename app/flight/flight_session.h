@@ -29,6 +29,7 @@ typedef struct FlightSession {
     Flight flight;             // borrows the aircraft: the session stays where it is
     FlightState begin;
     bool assist; // of the keys
+    bool parked; // the brakes hold until the throttle is moved
     bool holds;  // the autopilot flies, as wished
     Autopilot hold;
     AutopilotWish wish;

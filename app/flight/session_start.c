@@ -24,13 +24,14 @@ FlightGround session_ground(const World *world) {
 static double start_speed(const FlightSession *session, const Options *options, double h_m) {
     const Aircraft *aircraft = &session->aircraft;
     const Scene *scene = &session->world->scene;
+    double least = STALL_MARGIN * airframe_stall_speed(aircraft, isa_at(h_m).density, 0.0);
     if (options_is_set(options, OPTION_SPEED))
         return options_number(options, OPTION_SPEED);
     if (session->demo.has_start)
         return session->demo.start_speed_m_s;
     if (scene->has_speed && strcmp(aircraft->id, AIRCRAFT_DEFAULT) == 0)
-        return scene->speed_m_s; // scenes are made for the aircraft that they start with
-    return fmax(aircraft->cruise_speed, STALL_MARGIN * airframe_stall_speed(aircraft, isa_at(h_m).density, 0.0));
+        return fmax(scene->speed_m_s, least); // scenes are made for the aircraft that they start with
+    return fmax(aircraft->cruise_speed, least);
 }
 
 // Level, however the view is tilted, unless a direction was asked for: the start of a scene looks down at the land.
@@ -114,6 +115,7 @@ static Result load_aircraft(const Options *options, FlightSession *session) {
 static void start(const Options *options, const Viewpoint *view, FlightSession *session) {
     session->flight = start_flight(session, options, view);
     session->begin = session->flight.state;
+    session->parked = session->flight.state.contact == FLIGHT_ROLLING;
     session->keyboard = keyboard_create(session->flight.controls.throttle);
     session->keyboard.controls = session->flight.controls;
     if (session->demo_flies && session->demo.count == 0 && !session->demo.stick)

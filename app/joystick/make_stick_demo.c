@@ -39,7 +39,7 @@ typedef struct Hand {
     double aileron, elevator, throttle; // shares
 } Hand;
 
-typedef enum Figure { LEVEL, BANK_LEFT, BANK_RIGHT, ROLL, DIVE, LOOP, CLIMB, HOME, OVER } Figure;
+typedef enum Figure { LEVEL, BANK_LEFT, BANK_RIGHT, ROLL, DIVE, LOOP, CLIMB, HOME, ROLL_OUT, REST, OVER } Figure;
 
 typedef struct Pilot {
     Figure figure;
@@ -59,6 +59,16 @@ static Hand hold(Pilot *pilot, const Flight *flight, const FlightInstruments *no
     return (Hand){.aileron = clamp(0.9 * (bank - now->bank_rad) - 0.25 * state->rate_body.x, 0.9),
                   .elevator = clamp(0.8 * (wanted + turning - state->rate_body.y) + pilot->pull, 0.9),
                   .throttle = 0.75};
+}
+
+// The hand is taken off once the aircraft flies as it began: trimmed, level.
+static Hand settle(Pilot *pilot, const Flight *flight, const FlightInstruments *now) {
+    double trimmed = flight->controls.throttle;
+    if (pilot->figure == REST)
+        return (Hand){.throttle = trimmed};
+    Hand hand = hold(pilot, flight, now, 0.0, 0.0);
+    hand.throttle = fmin(fmax(trimmed + 0.06 * (START_SPEED - now->true_airspeed), 0.0), 1.0);
+    return hand;
 }
 
 static void go_to(Pilot *pilot, Figure figure) {
@@ -95,9 +105,10 @@ static bool lasts(Pilot *pilot, double seconds) {
 static Hand move(Pilot *pilot, const Flight *flight) {
     static const struct {
         double seconds, bank, path;
-    } HELD[OVER + 1] = {[LEVEL] = {5.0, 0.0, 0.02}, [BANK_LEFT] = {11.0, -0.9, 0.0}, [BANK_RIGHT] = {12.0, 0.9, 0.02},
-                        [DIVE] = {7.0, 0.0, -0.2},  [CLIMB] = {9.0, 0.0, 0.2},       [HOME] = {14.0, -0.5, -0.03},
-                        [OVER] = {1e9, 0.0, 0.0}};
+    } HELD[OVER + 1] = {
+        [LEVEL] = {5.0, 0.0, 0.02},    [BANK_LEFT] = {11.0, -0.9, 0.0}, [BANK_RIGHT] = {12.0, 0.9, 0.02},
+        [DIVE] = {7.0, 0.0, -0.2},     [CLIMB] = {9.0, 0.0, 0.2},       [HOME] = {9.0, -0.5, -0.03},
+        [ROLL_OUT] = {11.0, 0.0, 0.0}, [REST] = {6.5, 0.0, 0.0},        [OVER] = {1e9, 0.0, 0.0}};
     FlightInstruments now = flight_instruments(flight);
     pilot->since_s += 1.0 / 120.0;
     if (pilot->figure == ROLL)
@@ -106,6 +117,8 @@ static Hand move(Pilot *pilot, const Flight *flight) {
         return loop(pilot, flight, &now);
     Figure figure = pilot->figure;
     (void)lasts(pilot, HELD[figure].seconds);
+    if (figure == ROLL_OUT || figure == REST)
+        return settle(pilot, flight, &now);
     return hold(pilot, flight, &now, HELD[figure].bank, HELD[figure].path);
 }
 
