@@ -7,7 +7,10 @@
 #include <unistd.h>
 
 #include <cmocka.h>
+#include <math.h>
 
+#include "app/aircraft/airframe.h"
+#include "app/aircraft/isa.h"
 #include "app/flight/demo.h"
 #include "app/flight/flight_session.h"
 #include "app/flight/flight_settings.h"
@@ -282,6 +285,57 @@ static void re_simulation_is_far_faster_than_time(void **state) {
     options_destroy(&options);
 }
 
+typedef struct Started {
+    Options *options;
+    World world;
+    FlightSession session; // too big for some stacks
+} Started;
+
+static Started *start_with(OptionId option, const char *value) {
+    Started *out = calloc(1, sizeof *out);
+    assert_non_null(out);
+    assert_int_equal(options_create(COMMAND_FLY, &out->options), RESULT_OK);
+    assert_int_equal(options_set(out->options, option, value, SOURCE_COMMAND_LINE, "test"), RESULT_OK);
+    assert_int_equal(world_load(out->options, &out->world), RESULT_OK);
+    assert_int_equal(session_create(&out->world, out->options, &out->session), RESULT_OK);
+    return out;
+}
+
+static void leave(Started *started) {
+    session_end(&started->session);
+    world_unload(&started->world);
+    options_destroy(&started->options);
+    free(started);
+}
+
+static void a_scene_starts_with_speed_to_spare_where_the_air_is_thin(void **state) {
+    (void)state;
+    Started *high = start_with(OPTION_EYE, "36.5,-84.2,12000m");
+    FlightInstruments now = flight_instruments(&high->session.flight);
+    double stall = airframe_stall_speed(&high->session.aircraft, isa_at(now.h_m).density, 0.0);
+    print_message("%.1f m/s at %.0f m, where the stall comes at %.1f\n", now.true_airspeed, now.h_m, stall);
+    assert_true(high->session.flight.trimmed && now.true_airspeed > 1.49 * stall);
+    leave(high);
+}
+
+// Its engine alone would roll it off.
+static void on_the_ground_it_stands_until_the_throttle_is_moved(void **state) {
+    (void)state;
+    Started *started = start_with(OPTION_ON_GROUND, "yes");
+    FlightSession *session = &started->session;
+    Vec3d from = session->flight.state.position_ecef;
+    for (int i = 0; i < 60 * 20; i++)
+        session_advance(session, 1.0 / 60.0);
+    double crept_m = vec3d_distance(session->flight.state.position_ecef, from);
+    session_on_key(session, KEY_PAGE_UP, true, false);
+    for (int i = 0; i < 60 * 8; i++)
+        session_advance(session, 1.0 / 60.0);
+    double rolled_m = vec3d_distance(session->flight.state.position_ecef, from);
+    print_message("%.3f m in 20 s at idle, %.1f m after 8 s of throttle\n", crept_m, rolled_m);
+    assert_true(crept_m < 0.3 && rolled_m > 1.0 && !session->parked);
+    leave(started);
+}
+
 static void flaps_gear_brakes_and_trim_follow_their_keys(void **state) {
     (void)state;
     Keyboard keyboard = keyboard_create(0.0);
@@ -370,6 +424,8 @@ int main(void) {
         cmocka_unit_test(the_corner_of_a_picture_sees_smaller_angles),
         cmocka_unit_test(a_demo_reaches_its_places_without_touching_the_ground),
         cmocka_unit_test(re_simulation_is_far_faster_than_time),
+        cmocka_unit_test(a_scene_starts_with_speed_to_spare_where_the_air_is_thin),
+        cmocka_unit_test(on_the_ground_it_stands_until_the_throttle_is_moved),
         cmocka_unit_test(flaps_gear_brakes_and_trim_follow_their_keys),
         cmocka_unit_test(broken_demos_are_refused_with_file_and_line),
         cmocka_unit_test(percentiles_are_of_the_latest_and_the_longest_of_all),
