@@ -107,7 +107,3 @@ bool keyboard_touches_controls(const Keyboard *keyboard) {
             return true;
     return false;
 }
-
-void keyboard_set_throttle(Keyboard *keyboard, double throttle) {
-    keyboard->controls.throttle = clamp(throttle, 0.0, 1.0);
-}

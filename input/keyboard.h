@@ -40,4 +40,3 @@ void keyboard_set_gear(Keyboard *keyboard, bool up);
 // -1, 0 or 1: which of two held actions is held; opposite ones cancel.
 int keyboard_direction(const Keyboard *keyboard, Action negative, Action positive);
 bool keyboard_touches_controls(const Keyboard *keyboard); // a control key is down
-void keyboard_set_throttle(Keyboard *keyboard, double throttle);

@@ -4,7 +4,6 @@
 
 #include <math.h>
 
-#define CLEARANCE_M 120.0
 #define ROUND_POINTS 8
 #define ROUND_SPEED 110.0
 
@@ -14,7 +13,7 @@ void demo_clear(Demo *demo) {
 }
 
 void demo_make_round(const Viewpoint *view, const Geoid *geoid, double distance_m, Demo *out) {
-    *out = (Demo){.clearance_m = 2.0 * CLEARANCE_M, .count = ROUND_POINTS};
+    *out = (Demo){.clearance_m = 2.0 * DEMO_CLEARANCE_M, .count = ROUND_POINTS};
     double lat = view->lat_deg * GEODESY_RAD_PER_DEG, lon = view->lon_deg * GEODESY_RAD_PER_DEG;
     double heading = view->heading_deg * GEODESY_RAD_PER_DEG;
     double centre_lat = lat + distance_m * cos(heading) / GEODESY_A_M;

@@ -12,6 +12,7 @@
 #define DEMO_WAYPOINTS_MAX 256
 #define DEMO_TEXT_BYTES 160
 #define DEMO_ENDING ".demo"
+#define DEMO_CLEARANCE_M 120.0
 
 typedef struct Demo {
     char title[DEMO_TEXT_BYTES];    // "" where the file has none

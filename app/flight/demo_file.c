@@ -12,7 +12,6 @@
 #include <string.h>
 
 #define LINE_BYTES 512
-#define CLEARANCE_M 120.0
 #define SPEED_MIN 15.0
 #define SPEED_MAX 1000.0
 #define BLANKS " \t\r\n"
@@ -161,7 +160,7 @@ static Result read_file(const Reading *reading) {
 }
 
 Result demo_read(const char *path, const Geoid *geoid, Demo *out) {
-    Demo demo = {.clearance_m = CLEARANCE_M};
+    Demo demo = {.clearance_m = DEMO_CLEARANCE_M};
     const Reading reading = {path, geoid, &demo};
     Result result = read_file(&reading);
     if (result == RESULT_OK && demo.count == 0 && !demo.stick) {

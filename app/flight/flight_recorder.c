@@ -128,10 +128,6 @@ void recorder_restart(FlightRecorder *recorder, RecordingEventKind why, const Fl
     recording_writer_restart(recorder->writer, why, state);
 }
 
-void recorder_tell(FlightRecorder *recorder, RecordingEventKind what) {
-    recording_writer_event(recorder->writer, what, NULL, 0);
-}
-
 // ---- the last ten minutes ----
 
 static bool name_in(const char *folder, time_t now, int number, char out[PATHS_BYTES_MAX]) {

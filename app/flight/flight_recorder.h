@@ -40,7 +40,6 @@ MUST_USE Result recorder_close(FlightRecorder **recorder);
 void recorder_fly(FlightRecorder *recorder, Flight *flight, const Controls *controls);
 // The state was set, not flown.
 void recorder_restart(FlightRecorder *recorder, RecordingEventKind why, const Flight *flight);
-void recorder_tell(FlightRecorder *recorder, RecordingEventKind what);
 // The last ten minutes to a new file in the folder for recordings; says in `message` where, or why not.
 void recorder_save(FlightRecorder *recorder, char message[RECORDER_MESSAGE_BYTES]);
 // What a person should know since the last call: the file is written, or cannot be; "" else.

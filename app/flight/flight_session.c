@@ -71,11 +71,15 @@ void session_govern(FlightSession *session, const PipelineStats *stats) {
     settings->tau_px = session->governor.tau_px;
 }
 
+Controls session_controls_of(const FlightState *state) {
+    return (Controls){
+        .trim = state->elevator, .throttle = state->throttle, .flaps = state->flaps, .gear_up = state->gear < 0.5};
+}
+
 static void take_over(FlightSession *session, const char *why) {
     const FlightState *state = &session->flight.state;
     session->demo_flies = false;
-    session->keyboard.controls = (Controls){
-        .trim = state->elevator, .throttle = state->throttle, .flaps = state->flaps, .gear_up = state->gear < 0.5};
+    session->keyboard.controls = session_controls_of(state);
     session_say(session, why);
 }
 

@@ -79,6 +79,8 @@ void session_on_repeat(FlightSession *session, int key);
 // Carries out key presses, then flies `passed_s` seconds on in fixed steps.
 void session_advance(FlightSession *session, double passed_s);
 void session_say(FlightSession *session, const char *message);
+// What a pilot's hands find who takes over: the surfaces where they are, the stick in the middle.
+Controls session_controls_of(const FlightState *state);
 // What a replay does with a key and with time; for session_on_key and session_advance.
 bool session_replay_key(FlightSession *session, int key);       // false: not one of its own
 bool session_replay_act(FlightSession *session, Action action); // false: as in any flight

@@ -115,8 +115,7 @@ void session_end_replay(FlightSession *session) {
     session->playback = NULL;
     session->flight.state.step = step;
     session->keyboard = keyboard_create(state->throttle);
-    session->keyboard.controls = (Controls){
-        .trim = state->elevator, .throttle = state->throttle, .flaps = state->flaps, .gear_up = state->gear < 0.5};
+    session->keyboard.controls = session_controls_of(state);
     session->help = session->hold = (Autopilot){.engaged = false};
     session->holds = false;
     session->begin = session->flight.state;
