@@ -9,7 +9,7 @@
 #include <cmocka.h>
 #include <math.h>
 
-#include "app/flight/flight_model.h"
+#include "app/dynamics/flight_model.h"
 #include "terrain/geodesy.h"
 
 #define FLIGHT_LAT 0.64

@@ -11,8 +11,8 @@
 #include "app/aircraft/isa.h"
 #include "app/aircraft/propulsion.h"
 #include "app/aircraft/trim.h"
-#include "app/flight/autopilot.h"
 #include "app/performance/performance.h"
+#include "app/pilot/autopilot.h"
 
 #define GRAVITY TRIM_GRAVITY_0
 

@@ -1,5 +1,5 @@
 // Demonstrations: their files, the ones that come along flown to their end, and a stand that begins again.
-#include "app/flight/demo_list.h"
+#include "app/demo/demo_list.h"
 #include "app/flight/flight_session.h"
 #include "config/options.h"
 

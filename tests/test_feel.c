@@ -1,5 +1,5 @@
 // What hands feel of a flight: stalls that are flown, landings of many sinks, crashes; and how often pads are told.
-#include "app/flight/feel.h"
+#include "app/pilot/feel.h"
 
 #include "app/aircraft/airframe.h"
 #include "app/aircraft/isa.h"

@@ -11,7 +11,7 @@
 
 #include "app/aircraft/airframe.h"
 #include "app/aircraft/isa.h"
-#include "app/flight/demo.h"
+#include "app/demo/demo.h"
 #include "app/flight/flight_session.h"
 #include "app/flight/flight_settings.h"
 #include "app/pipeline/frame_times.h"

@@ -8,9 +8,9 @@
 #include "tests/flight_support.h"
 
 #include "app/aircraft/trim.h"
-#include "app/flight/autopilot.h"
+#include "app/dynamics/flight_contact.h"
 #include "app/flight/flight_clock.h"
-#include "app/flight/flight_contact.h"
+#include "app/pilot/autopilot.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define LONG_FLIGHT_H 0.25 // the sanitizers make the full length minutes

@@ -1,5 +1,5 @@
 #include "app/commands/command.h"
-#include "app/flight/demo_list.h"
+#include "app/demo/demo_list.h"
 #include "app/flight/fly.h"
 #include "app/json.h"
 #include "base/log.h"

@@ -1,6 +1,6 @@
 #include "app/flight/camera.h"
 
-#include "app/flight/flight_contact.h"
+#include "app/dynamics/flight_contact.h"
 #include "terrain/geodesy.h"
 
 #include <math.h>

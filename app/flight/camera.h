@@ -2,7 +2,7 @@
 // ECEF metres, radians, seconds.
 // Values only.
 #pragma once
-#include "app/flight/flight_model.h"
+#include "app/dynamics/flight_model.h"
 #include "render/render.h"
 
 typedef enum CameraView {

@@ -3,7 +3,7 @@
 // Steps of FLIGHT_STEP_S.
 // A FlightRecorder owns its writer; it borrows nothing for longer than a call. One thread.
 #pragma once
-#include "app/flight/flight_model.h"
+#include "app/dynamics/flight_model.h"
 #include "app/recording/recording_header.h"
 #include "app/recording/recording_replay.h"
 #include "app/recording/recording_writer.h"

@@ -2,14 +2,14 @@
 // order of the next frame. Knows no window and no thread. Seconds, metres, radians. A FlightSession borrows its World
 // and points into itself: it is not copied. One thread.
 #pragma once
-#include "app/flight/demo.h"
-#include "app/flight/feel.h"
-#include "app/flight/flight_model.h"
+#include "app/demo/demo.h"
+#include "app/dynamics/flight_model.h"
 #include "app/flight/flight_recorder.h"
 #include "app/flight/flight_settings.h"
 #include "app/flight/governor.h"
-#include "app/flight/pilot.h"
 #include "app/flight/telemetry.h"
+#include "app/pilot/feel.h"
+#include "app/pilot/pilot.h"
 #include "app/pipeline/pipeline.h"
 #include "app/replay/playback.h"
 #include "app/replay/timeline.h"

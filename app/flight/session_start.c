@@ -1,8 +1,8 @@
 // How a flight begins: where, in what, and who flies it.
 #include "app/aircraft/airframe.h"
 #include "app/aircraft/isa.h"
-#include "app/flight/demo_list.h"
-#include "app/flight/flight_contact.h"
+#include "app/demo/demo_list.h"
+#include "app/dynamics/flight_contact.h"
 #include "app/flight/flight_session.h"
 #include "base/log.h"
 #include "terrain/geodesy.h"

@@ -2,7 +2,7 @@
 // Degrees, metres above the geoid EGM96, metres a second, seconds of flight; heading clockwise from north.
 // A Telemetry owns its file. One thread.
 #pragma once
-#include "app/flight/flight_model.h"
+#include "app/dynamics/flight_model.h"
 #include "terrain/geo.h"
 
 #define TELEMETRY_STEPS 12 // between two lines: ten a second of flight

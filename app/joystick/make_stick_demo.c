@@ -1,7 +1,7 @@
 // Writes the reports of the demonstration `stick`: a stick as a pilot would move it, who looks at the instruments sixty
 // times a second. What it flies is what the program flies from the file, step by step.
 //   make_stick_demo > assets/data/demos/stick.reports
-#include "app/flight/flight_model.h"
+#include "app/dynamics/flight_model.h"
 #include "app/joystick/joystick_files.h"
 #include "app/recording/recording.h"
 #include "base/paths.h"

@@ -1,6 +1,6 @@
 #include "app/performance/modes.h"
 
-#include "app/flight/flight_forces.h"
+#include "app/dynamics/flight_forces.h"
 #include "terrain/geodesy.h"
 
 #include <complex.h>

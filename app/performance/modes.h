@@ -2,7 +2,7 @@
 // Seconds, 1/s.
 // Pure functions; deterministic.
 #pragma once
-#include "app/flight/flight_model.h"
+#include "app/dynamics/flight_model.h"
 
 typedef struct Mode {
     bool there;      // as an oscillation, or for roll and spiral at all

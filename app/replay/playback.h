@@ -2,7 +2,7 @@
 // Seconds from the flight's begin; ECEF metres, radians.
 // A Playback owns what it has read; one thread at a time.
 #pragma once
-#include "app/flight/flight_model.h"
+#include "app/dynamics/flight_model.h"
 #include "app/recording/recording_header.h"
 #include "app/recording/recording_replay.h"
 #include "app/track/track_format.h"

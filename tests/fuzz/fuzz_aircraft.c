@@ -10,7 +10,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "app/flight/flight_model.h"
+#include "app/dynamics/flight_model.h"
 #include "base/log.h"
 
 static void drop_message(void *user, LogLevel level, const char *message) {

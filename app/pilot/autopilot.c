@@ -1,4 +1,4 @@
-#include "app/flight/autopilot.h"
+#include "app/pilot/autopilot.h"
 
 #include "app/aircraft/airframe.h"
 #include "app/aircraft/isa.h"

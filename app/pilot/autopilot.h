@@ -1,9 +1,9 @@
-// app/flight/autopilot.h: holds altitude, heading and speed; flies towards a point, and never into the ground; and
+// app/pilot/autopilot.h: holds altitude, heading and speed; flies towards a point, and never into the ground; and
 // helps a pilot who flies by keys. Gains follow from the aircraft's derivatives. Radians, metres above the ellipsoid,
 // metres a second.
 // Values only; deterministic.
 #pragma once
-#include "app/flight/flight_model.h"
+#include "app/dynamics/flight_model.h"
 
 // What the laws remember from step to step.
 typedef struct Autopilot {

@@ -1,4 +1,4 @@
-#include "app/flight/pilot.h"
+#include "app/pilot/pilot.h"
 
 #include "app/joystick/joystick_files.h"
 #include "base/log.h"

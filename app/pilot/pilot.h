@@ -1,4 +1,4 @@
-// app/flight/pilot.h: the pilot's hands on keyboard, sticks and gamepads, whichever are plugged in, step by step.
+// app/pilot/pilot.h: the pilot's hands on keyboard, sticks and gamepads, whichever are plugged in, step by step.
 // Shares of full deflection; seconds; nanoseconds as base/clock.h counts.
 // A Pilot owns its devices' threads; the keyboard is the caller's. One thread.
 #pragma once

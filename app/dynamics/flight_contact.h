@@ -1,8 +1,8 @@
-// app/flight/flight_contact.h: the aircraft against the ground.
+// app/dynamics/flight_contact.h: the aircraft against the ground.
 // Metres, seconds, radians, ECEF.
 // Values only.
 #pragma once
-#include "app/flight/flight_forces.h"
+#include "app/dynamics/flight_forces.h"
 
 // The ground below a position; false where there is none.
 bool flight_ground_below(const FlightGround *ground, Vec3d position_ecef, double *above_m);

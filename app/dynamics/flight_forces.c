@@ -1,4 +1,4 @@
-#include "app/flight/flight_forces.h"
+#include "app/dynamics/flight_forces.h"
 
 #include "app/aircraft/airframe.h"
 #include "app/aircraft/isa.h"

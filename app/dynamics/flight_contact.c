@@ -1,4 +1,4 @@
-#include "app/flight/flight_contact.h"
+#include "app/dynamics/flight_contact.h"
 
 #include "terrain/geodesy.h"
 

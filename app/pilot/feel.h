@@ -1,8 +1,8 @@
-// app/flight/feel.h: what hands feel of a flight: a stall shakes the stick, wheels that touch knock. For pads' motors.
+// app/pilot/feel.h: what hands feel of a flight: a stall shakes the stick, wheels that touch knock. For pads' motors.
 // Shares 0..1 of the motors' strength; metres a second; seconds.
 // Values only; knows no device. Deterministic.
 #pragma once
-#include "app/flight/flight_model.h"
+#include "app/dynamics/flight_model.h"
 
 #define FEEL_STALLED 0.25     // share of the flow that has separated, from which a stall is felt
 #define FEEL_SHAKE_LEAST 0.3  // of the slow motor, there; 1 where all of it has

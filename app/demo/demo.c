@@ -1,4 +1,4 @@
-#include "app/flight/demo.h"
+#include "app/demo/demo.h"
 
 #include "terrain/geodesy.h"
 

@@ -1,10 +1,10 @@
-// app/flight/demo.h: demonstration flights: places that an autopilot flies to, one after another, or the reports of a
+// app/demo/demo.h: demonstration flights: places that an autopilot flies to, one after another, or the reports of a
 // stick as somebody once moved it.
-// As app/flight/autopilot.h; in the file degrees, metres above the geoid, units as everywhere.
+// As app/pilot/autopilot.h; in the file degrees, metres above the geoid, units as everywhere.
 // A Demo owns its stick's reports, and is a value otherwise; one thread.
 #pragma once
-#include "app/flight/autopilot.h"
 #include "app/joystick/stick_stream.h"
+#include "app/pilot/autopilot.h"
 #include "app/viewpoint.h"
 #include "base/paths.h"
 #include "terrain/geo.h"

@@ -1,4 +1,4 @@
-#include "app/flight/flight_model.h"
+#include "app/dynamics/flight_model.h"
 
 #include <string.h>
 

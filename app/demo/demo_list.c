@@ -1,5 +1,5 @@
 #define _POSIX_C_SOURCE 200809L
-#include "app/flight/demo_list.h"
+#include "app/demo/demo_list.h"
 
 #include "base/log.h"
 #include "config/files.h"

@@ -1,9 +1,9 @@
-#include "app/flight/flight_model.h"
+#include "app/dynamics/flight_model.h"
 
 #include "app/aircraft/airframe.h"
 #include "app/aircraft/isa.h"
 #include "app/aircraft/trim.h"
-#include "app/flight/flight_contact.h"
+#include "app/dynamics/flight_contact.h"
 #include "terrain/geodesy.h"
 
 #include <math.h>

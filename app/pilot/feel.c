@@ -1,7 +1,7 @@
-#include "app/flight/feel.h"
+#include "app/pilot/feel.h"
 
 #include "app/aircraft/airframe.h"
-#include "app/flight/flight_contact.h"
+#include "app/dynamics/flight_contact.h"
 #include "terrain/geodesy.h"
 
 #include <math.h>

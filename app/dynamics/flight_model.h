@@ -1,4 +1,4 @@
-// app/flight/flight_model.h: how an aircraft moves: state in, controls in, state one step later out.
+// app/dynamics/flight_model.h: how an aircraft moves: state in, controls in, state one step later out.
 // ECEF metres and seconds in double, radians; body axes: x ahead, y right wing, z down. The Earth does not turn;
 // gravity follows the height above the ellipsoid, along its normal. Wind is the same everywhere.
 // A Flight is a value that borrows its aircraft and its ground. Deterministic: the same steps give the same bits.

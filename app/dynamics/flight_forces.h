@@ -1,9 +1,9 @@
-// app/flight/flight_forces.h: the equations of motion of a rigid aircraft.
+// app/dynamics/flight_forces.h: the equations of motion of a rigid aircraft.
 // ECEF metres, seconds, radians.
 // Values only; pure functions.
 #pragma once
 #include "app/aircraft/gear.h"
-#include "app/flight/flight_model.h"
+#include "app/dynamics/flight_model.h"
 #include "terrain/geodesy.h"
 
 // What stays the same during a step.

@@ -1,8 +1,8 @@
-// app/flight/demo_list.h: the demonstration flights that came with the program.
+// app/demo/demo_list.h: the demonstration flights that came with the program.
 // No units.
 // Values; nothing is owned. Any thread.
 #pragma once
-#include "app/flight/demo.h"
+#include "app/demo/demo.h"
 
 #define DEMO_LIST_MAX 64
 
