@@ -1,5 +1,6 @@
 // `overfly bench panel`: what the panel of accuracy costs a frame. The same stretch of flight is flown without and with
-// it, in turn, through the threads of a real flight, without a window.
+// it, through the threads of a real flight, without a window: a round is two blocks of each in the order ABBA, which
+// takes out what a machine drifts meanwhile, and the next one begins with the other.
 #define _POSIX_C_SOURCE 200809L
 #include "app/bench/bench.h"
 #include "app/flight/flight_pipeline.h"
@@ -16,6 +17,7 @@
 
 #define DEFAULT_FRAMES 60 // of a block
 #define WARM_UP_FRAMES 8  // of each block: the panel opens, or closes, in them
+#define BLOCKS 2          // of each kind in a round
 #define ROUNDS_LEAST 5
 #define FRAME_S (1.0 / 60.0)
 #define COST_LIMIT 0.03
@@ -34,11 +36,10 @@ typedef struct Bench {
     double *ratios;            // of the rounds' medians
     double spent_ms, flown_ms; // by the monitor's thread; in blocks with the panel
     double *work;              // of the rounds: all threads' time with the panel over that without, less 1
-    double block_ms;           // of the processors' time: the last block's
 } Bench;
 
 static Result allocate(Bench *bench) {
-    size_t count = (size_t)bench->frames * (size_t)bench->rounds;
+    size_t count = (size_t)(BLOCKS * bench->frames) * (size_t)bench->rounds;
     bench->session = calloc(1, sizeof *bench->session);
     bench->start = calloc(1, sizeof *bench->start);
     bench->ratios = calloc((size_t)bench->rounds, sizeof *bench->ratios);
@@ -99,8 +100,8 @@ static double process_ms(void) {
     return (double)used.tv_sec * 1e3 + (double)used.tv_nsec * 1e-6;
 }
 
-// From where the block begins; `frame_ms` are sorted.
-static Result fly_block(Bench *bench, bool open, double *frame_ms) {
+// From where the round begins. Adds to `block_ms` what the processors worked.
+static Result fly_block(Bench *bench, bool open, double *frame_ms, double *block_ms) {
     *bench->session = *bench->start;
     int64_t heard = pipeline_stats(bench->pipeline).frames + WARM_UP_FRAMES, begin_ns = clock_now_ns();
     double spent_ms = monitor_spent_ms(bench->monitor), processor_ms = 0.0;
@@ -115,8 +116,7 @@ static Result fly_block(Bench *bench, bool open, double *frame_ms) {
     if (result == RESULT_OK)
         result = pipeline_drain(bench->pipeline);
     hear(bench, &heard, frame_ms, &count);
-    bench->block_ms = process_ms() - processor_ms;
-    statistics_sort(frame_ms, count);
+    *block_ms += process_ms() - processor_ms;
     if (open) {
         bench->spent_ms += monitor_spent_ms(bench->monitor) - spent_ms;
         bench->flown_ms += (double)(clock_now_ns() - begin_ns) * 1e-6;
@@ -124,21 +124,28 @@ static Result fly_block(Bench *bench, bool open, double *frame_ms) {
     return result;
 }
 
-static double median_of(const Bench *bench, int kind, int round) {
-    return statistics_percentile(bench->frame_ms[kind] + (size_t)round * (size_t)bench->frames, bench->frames, 0.5);
+static double *frames_of(const Bench *bench, int kind, int round) {
+    return bench->frame_ms[kind] + (size_t)round * (size_t)(BLOCKS * bench->frames);
 }
 
-// Whoever comes first brings to the GPU what both need, so they take turns in that.
+static double median_of(const Bench *bench, int kind, int round) {
+    double *frame_ms = frames_of(bench, kind, round);
+    statistics_sort(frame_ms, BLOCKS * bench->frames);
+    return statistics_percentile(frame_ms, BLOCKS * bench->frames, 0.5);
+}
+
 static Result fly_round(Bench *bench, int round) {
-    double block_ms[KINDS] = {0.0, 0.0};
+    static const int ORDER[KINDS * BLOCKS] = {WITHOUT, WITH, WITH, WITHOUT};
+    double work_ms[KINDS] = {0.0, 0.0};
+    int flown[KINDS] = {0, 0};
     Result result = RESULT_OK;
     *bench->start = *bench->session;
-    for (int i = 0; i < KINDS && result == RESULT_OK; i++) {
-        int kind = (round + i) % KINDS;
-        result = fly_block(bench, kind == WITH, bench->frame_ms[kind] + (size_t)round * (size_t)bench->frames);
-        block_ms[kind] = bench->block_ms;
+    for (int i = 0; i < KINDS * BLOCKS && result == RESULT_OK; i++) {
+        int kind = (ORDER[i] + round) % KINDS;
+        double *frame_ms = frames_of(bench, kind, round) + (size_t)(flown[kind]++ * bench->frames);
+        result = fly_block(bench, kind == WITH, frame_ms, &work_ms[kind]);
     }
-    bench->work[round] = block_ms[WITH] / block_ms[WITHOUT] - 1.0;
+    bench->work[round] = work_ms[WITH] / work_ms[WITHOUT] - 1.0;
     bench->ratios[round] = median_of(bench, WITH, round) / median_of(bench, WITHOUT, round) - 1.0;
     return result;
 }
@@ -169,7 +176,7 @@ static void add_spread(Json *parent, const char *name, const double *sorted, int
 }
 
 static Result print_json(const Bench *bench) {
-    int count = bench->frames * bench->rounds;
+    int count = BLOCKS * bench->frames * bench->rounds;
     Json *json = json_create();
     bench_add_machine(json);
     json_add_text(json, "dem", terrain_dem(bench->world.terrain)->file);
@@ -199,7 +206,7 @@ static void print_spread(const char *what, const double *sorted, int count) {
 }
 
 static void print_text(const Bench *bench) {
-    int count = bench->frames * bench->rounds;
+    int count = BLOCKS * bench->frames * bench->rounds;
     for (int kind = 0; kind < KINDS; kind++) {
         statistics_sort(bench->frame_ms[kind], count);
         printf("%-14s p50 %.2f ms, p99 %.2f ms a frame\n", kind == WITH ? "with" : "without",
