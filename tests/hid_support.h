@@ -10,12 +10,11 @@ typedef struct HidSample {
     size_t count;
 } HidSample;
 
-// Descriptors published by their owners; the sources stand beside the bytes.
-extern const HidSample hid_x52, hid_hotas4, hid_raptor;
-// Ours, of the report layouts published for the Logitech Extreme 3D Pro and the Thrustmaster T.16000M.
-extern const HidSample hid_extreme3d, hid_t16000m;
+// Published by their owners; the sources stand beside the bytes.
+extern const HidSample hid_x52, hid_hotas4, hid_raptor, hid_extreme3d, hid_t16000m, hid_t16000m_short, hid_twcs,
+    hid_t_rudder;
 #define HID_SAMPLES                                                                                                    \
-    { &hid_x52, &hid_hotas4, &hid_raptor, &hid_extreme3d, &hid_t16000m }
+    { &hid_x52, &hid_hotas4, &hid_raptor, &hid_extreme3d, &hid_t16000m, &hid_t16000m_short, &hid_twcs, &hid_t_rudder }
 
 // Parses the bytes and decodes reports of every id and length that `seed` makes up. NULL, or which promise was broken.
 const char *hid_exercise(const uint8_t *bytes, size_t count, uint64_t seed);

@@ -15,6 +15,7 @@
 #include <cmocka.h>
 
 #include "config/joystick_calibration.h"
+#include "tests/hid_support.h"
 
 #define MUTATIONS 20000
 
@@ -260,6 +261,45 @@ static void every_profile_that_came_along_is_sound(void **state) {
     assert_true(count >= 6);
 }
 
+static bool has_axis(const PadInfo *info, const AxisMapping *mapping) {
+    int ordinal = 0;
+    for (int i = 0; i < info->axis_count; i++)
+        ordinal += info->axes[i] == mapping->axis;
+    return mapping->ordinal <= ordinal;
+}
+
+// What a profile moves, the device's own descriptor has.
+static void profiles_that_came_along_fit_the_published_descriptors(void **state) {
+    (void)state;
+    static const struct {
+        const char *file;
+        const HidSample *sample;
+    } pairs[] = {{"logitech-extreme-3d-pro", &hid_extreme3d},
+                 {"thrustmaster-t16000m", &hid_t16000m},
+                 {"thrustmaster-t16000m", &hid_t16000m_short},
+                 {"thrustmaster-twcs", &hid_twcs},
+                 {"saitek-x52", &hid_x52},
+                 {"rudder-pedals-thrustmaster", &hid_t_rudder}};
+    for (size_t i = 0; i < COUNT_OF(pairs); i++) {
+        char path[512];
+        PadProfile profile;
+        HidDescriptor descriptor;
+        PadInfo info = {.bus = PAD_BUS_HID};
+        snprintf(path, sizeof path, SOURCE_DIR "/assets/data/joysticks/%s.joystick", pairs[i].file);
+        assert_int_equal(joystick_read_profile(path, &profile), RESULT_OK);
+        assert_int_equal(hid_descriptor_parse(pairs[i].sample->bytes, pairs[i].sample->count, &descriptor), RESULT_OK);
+        hid_describe(&descriptor, &info);
+        for (int k = 0; k < profile.axis_count; k++)
+            if (!has_axis(&info, &profile.axes[k]))
+                fail_msg("%s: %s lacks axis %s %d", pairs[i].file, pairs[i].sample->name,
+                         pad_axis_name(profile.axes[k].axis), profile.axes[k].ordinal);
+        for (int k = 0; k < profile.button_count; k++)
+            if (profile.buttons[k].number > (profile.buttons[k].is_hat ? info.hat_count : info.button_count))
+                fail_msg("%s: %s lacks button or hat %d", pairs[i].file, pairs[i].sample->name,
+                         profile.buttons[k].number);
+    }
+}
+
 // ---- Calibration ----
 
 static void a_calibration_is_kept_for_its_pad(void **state) {
@@ -370,6 +410,7 @@ int main(void) {
         cmocka_unit_test(patterns_stand_for_any_letters),
         cmocka_unit_test_setup_teardown(the_example_of_the_manual_is_sound, make_home, remove_home),
         cmocka_unit_test(every_profile_that_came_along_is_sound),
+        cmocka_unit_test(profiles_that_came_along_fit_the_published_descriptors),
         cmocka_unit_test_setup_teardown(a_calibration_is_kept_for_its_pad, make_home, remove_home),
         cmocka_unit_test_setup_teardown(broken_calibrations_are_refused_with_file_and_line, make_home, remove_home),
         cmocka_unit_test(hostile_profiles_are_read_or_refused),
