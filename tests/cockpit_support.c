@@ -4,9 +4,11 @@
 #include "tests/device_timing.h"
 #include "tests/flight_support.h"
 
+#include <stdatomic.h>
 #include <stdlib.h>
 
 #define FRAME_NS (INT64_C(1000000000) / 60)
+#define WAIT_S 20 // for what comes at once where nothing else runs
 
 static Cockpit *present; // that the wrapped functions write to
 
@@ -16,6 +18,17 @@ void __real_flight_step(Flight *flight, const Controls *controls, double dt_s);
 void __wrap_flight_step(Flight *flight, const Controls *controls, double dt_s);
 int __real_devices_poll(Devices *devices, DeviceEvent *out, int max);
 int __wrap_devices_poll(Devices *devices, DeviceEvent *out, int max);
+int __real_hid_read_timeout(void *device, unsigned char *data, size_t size, int wait_ms);
+int __wrap_hid_read_timeout(void *device, unsigned char *data, size_t size, int wait_ms);
+
+static atomic_long read_bytes; // of all reports, by the devices' threads
+
+int __wrap_hid_read_timeout(void *device, unsigned char *data, size_t size, int wait_ms) {
+    int count = __real_hid_read_timeout(device, data, size, wait_ms);
+    if (count > 0)
+        atomic_fetch_add(&read_bytes, count);
+    return count;
+}
 
 void __wrap_flight_step(Flight *flight, const Controls *controls, double dt_s) {
     Cockpit *c = present;
@@ -86,14 +99,23 @@ void cockpit_sleep_ms(int ms) {
 }
 
 void cockpit_wait(Cockpit *cockpit, DeviceEventKind kind, int count) {
-    int64_t until_ns = clock_now_ns() + 3 * INT64_C(1000000000);
+    int64_t until_ns = clock_now_ns() + WAIT_S * INT64_C(1000000000);
     do {
         pilot_poll(cockpit->session->pilot);
         if (cockpit->heard[kind] >= count)
             return;
         clock_sleep_until_ns(clock_now_ns() + 50000);
     } while (clock_now_ns() < until_ns);
-    fail_msg("%d events of kind %d within 3 s, expected %d", cockpit->heard[kind], kind, count);
+    fail_msg("%d events of kind %d within %d s, expected %d", cockpit->heard[kind], kind, WAIT_S, count);
+}
+
+void cockpit_send_whole(FakeStick *stick, const uint8_t *bytes, size_t count) {
+    long before = atomic_load(&read_bytes);
+    int64_t until_ns = clock_now_ns() + WAIT_S * INT64_C(1000000000);
+    fake_stick_send(stick, bytes, count);
+    while (atomic_load(&read_bytes) < before + (long)count && clock_now_ns() < until_ns)
+        clock_sleep_until_ns(clock_now_ns() + 50000);
+    assert_int_equal(atomic_load(&read_bytes), before + (long)count);
 }
 
 void cockpit_fly(Cockpit *cockpit, int steps) {

@@ -1,7 +1,7 @@
 // tests/cockpit_support.h: a flight by sticks and pads that are not there: umockdev, hidapi, libusb, Pilot,
 // FlightSession. Times as clock_now_ns; shares of full deflection. A Cockpit is the process's only one; it owns its
-// session, pilot and bed. Its program is linked with --wrap for flight_step and devices_poll: it writes down what the
-// flight got in each step, and what the devices said when.
+// session, pilot and bed. Its program is linked with --wrap for flight_step, devices_poll and hid_read_timeout: it
+// writes down what the flight got in each step, what the devices said when, and how much of it was read.
 #pragma once
 #include "app/flight/flight_session.h"
 #include "tests/device_support.h"
@@ -44,8 +44,11 @@ typedef struct Cockpit {
 Cockpit *cockpit_create(const char *aircraft, bool assist);
 void cockpit_destroy(Cockpit **cockpit);
 
-// Polls, without flying, until there were `count` events of the kind in all; fails after 3 s.
+// Polls, without flying, until there were `count` events of the kind in all; fails after 20 s.
 void cockpit_wait(Cockpit *cockpit, DeviceEventKind kind, int count);
+// Sends what makes no event and waits until it was read: bytes that wait together are read as one report. What was sent
+// before has to be read already.
+void cockpit_send_whole(FakeStick *stick, const uint8_t *bytes, size_t count);
 // So many steps, one a frame, as fast as it goes; what was polled is heard at once.
 void cockpit_fly(Cockpit *cockpit, int steps);
 

@@ -54,10 +54,8 @@ static void move(Odd *odd, double x, double y, uint8_t hat) {
     tell(odd, report, sizeof report);
 }
 
-// What should be passed over is given time to be read: reports that wait are read as one.
 static void babble(Odd *odd, const uint8_t *bytes, size_t count) {
-    fake_stick_send(odd->stick, bytes, count);
-    cockpit_sleep_ms(30);
+    cockpit_send_whole(odd->stick, bytes, count);
     pilot_poll(odd->cockpit->session->pilot);
 }
 
