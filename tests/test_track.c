@@ -198,7 +198,8 @@ static void test_what_is_wrong_with_a_file_is_told_with_its_line(void **state) {
         {"t_s,lat_deg,lon_deg,alt_m\n0,nan,8,1\n", ":2: lat_deg: found 'nan'"},
         {"t_s,lat_deg,lon_deg,alt_m\n0,46,8,1\n# back\n0,46,8,1\n", ":4: t_s: found 0 after 0"},
         {"t_s,lat_deg,lon_deg,alt_m\n0,46,8,1\n5,46,8,1\n4,46,8,1\n", ":4: t_s: found 4 after 5"},
-        {"t_s,lat_deg,lon_deg,alt_m\n0,46,8,1\n1,46,8", ":3: alt_m: found ''"}, // cut off
+        {"t_s,lat_deg,lon_deg,alt_m\n0,46,8", ":2: alt_m: found ''"},               // cut off, and nothing before it
+        {"t_s,lat_deg,lon_deg,alt_m\n0,46,8,1\n1,x,8,1", ":3: lat_deg: found 'x'"}, // wrong, not cut off
     };
     for (size_t i = 0; i < COUNT_OF(CASES); i++) {
         char path[64];

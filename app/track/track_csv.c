@@ -42,9 +42,21 @@ static char *trimmed(char *text) {
     return text;
 }
 
+// Whether the file breaks off in this line, which is then all that it costs.
+static bool is_cut_off(Reader *r) {
+    if (r->lines.ended || r->build.track->count == 0)
+        return false;
+    track_build_skip(&r->build, TRACK_SKIP_MALFORMED, r->lines.number);
+    log_warn("%s:%lld: the file is cut off here; points before it, which are kept: %d", r->lines.path,
+             (long long)r->lines.number, r->build.track->count);
+    return true;
+}
+
 // The next line that is no comment and not empty; false at the end. FORMAT in `result`: longer than any should be.
 static bool next_line(Reader *r, Result *result) {
     while (track_lines_next(&r->lines)) {
+        if (r->lines.cut && is_cut_off(r))
+            break;
         if (r->lines.cut) {
             *result = refuse(r, "a line of more than 4095 bytes, or with a zero byte; expected a line of numbers "
                                 "separated by commas");
@@ -96,23 +108,28 @@ static Result refuse_cell(const Reader *r, int column, const char *found) {
     return RESULT_FORMAT;
 }
 
-static Result read_cells(Reader *r, double numbers[COLUMN_COUNT]) {
+// The first column without a number of its own, whose cell is `found`, and whether it is the line's last, or is not
+// there at all; -1: none.
+static int read_cells(Reader *r, double numbers[COLUMN_COUNT], const char **found, bool *last) {
     char *cells[CELLS_MAX];
     int count = cut_cells(r->lines.text, cells);
     for (int c = 0; c < COLUMN_COUNT; c++) {
         numbers[c] = 0.0;
-        const char *cell = r->place[c] < 0 ? "0" : r->place[c] < count ? cells[r->place[c]] : "";
-        if (!read_number(cell, &COLUMNS[c], &numbers[c]))
-            return refuse_cell(r, c, cell);
+        *found = r->place[c] < 0 ? "0" : r->place[c] < count ? cells[r->place[c]] : "";
+        *last = r->place[c] >= count - 1;
+        if (!read_number(*found, &COLUMNS[c], &numbers[c]))
+            return c;
     }
-    return RESULT_OK;
+    return -1;
 }
 
 static Result add_point(Reader *r) {
     double n[COLUMN_COUNT];
-    Result result = read_cells(r, n);
-    if (result != RESULT_OK)
-        return result;
+    const char *found;
+    bool last;
+    int wrong = read_cells(r, n, &found, &last);
+    if (wrong >= 0)
+        return last && is_cut_off(r) ? RESULT_OK : refuse_cell(r, wrong, found);
     Track *track = r->build.track;
     if (track->count > 0 && n[T] <= track->points[track->count - 1].t_s) {
         log_error("%s:%lld: t_s: found %g after %g, expected time to go on", r->lines.path, (long long)r->lines.number,
