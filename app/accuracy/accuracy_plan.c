@@ -93,10 +93,10 @@ static Result refuse_method(const char *name) {
         names[LOD_METHOD_COUNT + i] = centre[i].text;
         used += (size_t)snprintf(all + used, sizeof all - used, "%s%s", i ? ", " : "", names[i]);
     }
-    const char *nearest = suggest_nearest(name, names, 2 * LOD_METHOD_COUNT);
+    char question[SUGGEST_BYTES];
     log_error("--methods: expected some of %s, separated by commas, each with '" CENTRE
-              "' behind it where its bound is to be kept at every sample; found %s%s%s%s",
-              all, shown(name).text, nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+              "' behind it where its bound is to be kept at every sample; found %s%s",
+              all, shown(name).text, suggest_question(name, names, 2 * LOD_METHOD_COUNT, question));
     return RESULT_USAGE;
 }
 

@@ -77,7 +77,10 @@ static void warn_of_differences(const RecordingHeader *header, const Playback *p
 
 static Result load_aircraft(const char *path, const RecordingHeader *header, const char *named, Playback *playback) {
     playback->aircraft_name = named ? named : header->environment[RECORDING_AIRCRAFT];
-    Result result = aircraft_load(playback->aircraft_name, &playback->aircraft);
+    char file[PATHS_BYTES_MAX];
+    Result result = aircraft_find(named ? "--aircraft" : path, playback->aircraft_name, file);
+    if (result == RESULT_OK)
+        result = aircraft_read(file, &playback->aircraft);
     if (result != RESULT_OK && !named)
         log_info("%s was recorded with the aircraft '%s'; have it there again, or name it as it is here:\n"
                  "  overfly replay %s --aircraft NAME|FILE",
