@@ -170,7 +170,7 @@ def files_of_other_kinds_are_not_written_over(cli):
     cli.refused(2, "no recording of this program", *fly, "--record", "plain.ofr")
     cli.refused(2, "no telemetry of this program", *fly, "--telemetry", "notes.csv")
     cli.refused(2, ".ofr are of recordings", *fly, "--record", "new.ofr", "--telemetry", "./new.ofr")
-    cli.refused(2, "the flight that is replayed", "replay", "notes.csv", "--telemetry", "./notes.csv")
+    cli.refused(2, "./notes.csv is a file that is read", "replay", "notes.csv", "--telemetry", "./notes.csv")
     cli.refused(2, "--record: a value is missing", *fly, "--record", "--no-window")
     for path, text in ((notes, "t_s,what\n0,words\n"), (plain, "no recording")):
         with open(path, encoding="utf-8") as file:
@@ -178,6 +178,39 @@ def files_of_other_kinds_are_not_written_over(cli):
     run = ["fly", *SMALL, "--no-window", "--demo", "--frames", "2", "--telemetry"]
     for _ in range(2):
         cli.json(*run, "own.csv")
+
+
+def nothing_is_written_over_what_is_read(cli):
+    """By whatever name: of a link, in a scene, in a folder of pictures or of a report."""
+    window = ["--no-window", "--frames", "1"]
+    cli.write_picture("red.png")
+    os.link(cli.path("red.png"), cli.path("same.png"))
+    os.mkdir(cli.path("out"))
+    os.link(cli.path("red.png"), cli.path("out/overfly-001.png"))
+    flight = cli.write("out/flight-a.csv", "t_s,lat_deg,lon_deg,alt_m\n0,36.58,-84.24,1500\n1,36.581,-84.24,1500\n")
+    os.link(flight, cli.path("flight.mp4"))
+    os.symlink(DEM, cli.path("mesh.obj"))
+    os.symlink(DEM, cli.path("out/ye.tif"))
+    scene = cli.write("own.scene", f"[terrain]\ndem = {DEM}\nimage = red.png\n[demo]\nfile = own.demo\n")
+    demo = cli.write("own.demo", "to 36.58,-84.24,1500m 100m/s\n")
+    before = {name: os.stat(cli.path(name)).st_mtime_ns for name in ("red.png", "own.demo", "own.scene", "out/flight-a.csv")}
+    for said, command in ((("--output", "red.png"), ["snapshot", "-o", "same.png", "--image", "red.png"]),
+                          (("--output", "red.png"), ["snapshot", "-o", "same.png", scene]),
+                          (("--screenshot", "same.png"), ["fly", *window, "--image", "same.png", "--screenshot", "./red.png"]),
+                          (("--screenshot", "red.png"), ["demo", demo, scene, *window, "--screenshot", "same.png"]),
+                          (("--pictures", "out/overfly-001.png"),
+                           ["fly", *window, "--image", "out/overfly-001.png", "--pictures", "out"]),
+                          (("--telemetry", "own.demo"), ["demo", "own.demo", *window, "--telemetry", demo]),
+                          (("--telemetry", "own.demo"), ["fly", scene, *window, "--telemetry", "own.demo"]),
+                          (("--telemetry", "own.scene"), ["fly", scene, *window, "--telemetry", "own.scene"]),
+                          (("--video", "flight-a.csv"), ["replay", flight, "--video", "flight.mp4"]),
+                          (("--output", DEM), ["mesh", DEM, "-o", "mesh.obj"]),
+                          (("--output", flight), ["bench", "--track", f"valley,{flight}", "-o", "out"]),
+                          (("--output", "out/ye.tif"), ["reproduce", "ye", "out/ye.tif", "-o", "out"])):
+        cli.refused(2, [*said, "read", "name another"], *command)
+    for name, time in before.items():
+        expect(f"{name} as it was", os.stat(cli.path(name)).st_mtime_ns, time)
+    cli.refused(1, "nowhere.tif", "fly", "nowhere.tif", *window, "--image", "out/ye.tif", "--pictures", "out")
 
 
 def options_that_change_nothing_are_told(cli):
@@ -678,7 +711,7 @@ def replays_that_cannot_be_are_refused(cli):
     cli.refused(2, "is no recording", *replay, DEM, "--verify")
     cli.refused(2, ["--at", "up to 0:00:08.0; found '17'"], *replay, "a.ofr", "--at", "17")
     cli.refused(2, ["--at", "found 'noon'"], *replay, "a.ofr", "--at", "noon")
-    cli.refused(2, "the flight that is replayed", *replay, "a.ofr", "--record", "./a.ofr")
+    cli.refused(2, "./a.ofr is a file that is read", *replay, "a.ofr", "--record", "./a.ofr")
     cli.refused(1, ["nowhere: not a folder", "mkdir -p"], "fly", *RECORDED, "--record", "nowhere/b.ofr")
     os.mkdir(cli.path("folder.ofr"))
     cli.refused(1, "a folder", "fly", *RECORDED, "--record", "folder.ofr")
@@ -762,7 +795,7 @@ CASES = [help_is_instant_and_complete, help_comes_even_with_a_damaged_file, wron
          a_wrong_kind_of_errors_is_told_the_right_ones,
          options_may_come_before_the_subcommand, a_damaged_file_is_named_with_its_line, sources_win_in_order, missing_files_are_named,
          folders_for_pictures_are_looked_at_before_the_work, files_of_other_kinds_are_not_written_over,
-         options_that_change_nothing_are_told,
+         nothing_is_written_over_what_is_read, options_that_change_nothing_are_told,
          a_wrong_image_is_refused_in_one_message, image_bounds_without_an_image_are_wrong_usage,
          an_image_beside_the_terrain_is_warned_of, an_eye_under_the_ground_is_warned_of,
          missing_files_are_named_before_a_window_is_wanted, info_names_every_file, overlapping_files_are_warned_of,

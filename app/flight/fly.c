@@ -147,7 +147,7 @@ static Result report(const Fly *fly) {
 }
 
 static Result prepare(Fly *fly) {
-    Result result = fly_check_outputs(fly->options, fly->track);
+    Result result = fly_check_outputs(fly->options);
     if (result == RESULT_OK)
         result = check_track(fly);
     if (result == RESULT_OK)
