@@ -564,9 +564,21 @@ def flights_are_converted(cli):
         back = cli.json("convert", f"b.{ending}", f"c-{ending}.csv")
         for name in ("points", "gaps", "duration_s", "start_utc", "attitude"):
             expect(f"{ending}: {name} read again", back[name], report[name])
+    for name, said in (("--aircraft", "--aircraft changes nothing: a.igc is IGC flight log; only a recording"),
+                       ("--object", "--object changes nothing: a.igc is IGC flight log")):
+        cli.warned(said, "convert", "a.igc", "b.gpx", name, "c172")
+    cli.warned("--igc-alt changes nothing: b.gpx is GPX 1.1", "convert", "b.gpx", "c.kml", "--igc-alt", "geoid")
     text = cli.run("convert", "a.igc", "b.gpx").out
     for part in ("89 points, 89 s, from 2024-06-01T12:00:00Z", "above the geoid", "derived from the path", "has no attitude"):
         expect_in("convert", part, text)
+
+
+def a_conversion_has_its_points_as_far_apart_as_asked(cli):
+    cli.write("a.igc", FLIGHT)
+    for interval, points in (("10", 10), ("0.5", 179), ("1000", 2)):
+        report = cli.json("convert", "a.igc", "b.csv", "--interval", interval)
+        expect(f"--interval {interval}", (report["points"], report["duration_s"]), (points, 89))
+    cli.warned("--interval 0.5: an IGC file has whole seconds", "convert", "a.igc", "b.igc", "--interval", "0.5")
 
 
 def conversions_that_cannot_be_are_refused(cli):
@@ -576,11 +588,12 @@ def conversions_that_cannot_be_are_refused(cli):
     before = sorted(os.listdir(cli.folder))
     cli.refused(2, "expected two files", "convert", "a.igc")
     cli.refused(2, "expected a name that ends with one of .igc, .gpx, .kml, .acmi, .csv", "convert", "a.igc", "b.txt")
-    cli.refused(2, "is the file that is read", "convert", "a.igc", "link.igc")
+    cli.refused(2, "link.igc is a file that is read, a.igc", "convert", "a.igc", "link.igc")
     cli.refused(2, "give it one: --start", "convert", "still.csv", "b.gpx")
     cli.refused(2, "--start: found 'noon'", "convert", "still.csv", "b.gpx", "--start", "noon")
     cli.refused(2, "--igc-alt", "convert", "a.igc", "b.gpx", "--igc-alt", "msl")
     cli.refused(1, "missing.igc", "convert", "missing.igc", "b.gpx")
+    cli.refused(1, "missing.igc", "convert", "missing.igc", "b.txt")  # what is read comes first
     cli.refused(1, "a folder", "convert", ".", "b.gpx")
     cli.refused(1, "cannot be written", "convert", "a.igc", os.path.join("nowhere", "b.gpx"))
     cli.refused(1, "no-geoid.pgm", "convert", "a.igc", "b.gpx", "--geoid", "no-geoid.pgm")
@@ -669,6 +682,9 @@ def another_flight_is_told_from_its_step_on(cli):
     cli.refused(1, ["mine.aircraft", "--aircraft NAME|FILE"], "replay", "a.ofr", "--verify")
     run = cli.run("replay", "a.ofr", "--verify", "--aircraft", "moved/mine.aircraft")
     expect("with the file named: exit status, warnings", (run.code, "warning: " in run.err), (0, False))
+    cli.refused(1, ["a.ofr: there is no file", "--aircraft NAME|FILE"], "convert", "a.ofr", "a.csv")
+    run = cli.run("convert", "a.ofr", "a.csv", "--aircraft", "moved/mine.aircraft")
+    expect("converted with the file named: exit status, warnings", (run.code, "warning: " in run.err), (0, False))
     run = cli.run("replay", "a.ofr", "--verify", "--aircraft", "c172")
     expect("with another: exit status", run.code, 1)
     expect_in("warning", "the figures of 'c172' are others", run.err)
@@ -810,7 +826,7 @@ CASES = [help_is_instant_and_complete, help_comes_even_with_a_damaged_file, wron
          an_old_opengl_is_named_beside_what_is_needed, signals_end_a_flight_cleanly,
          a_flight_starts_in_the_air_wherever_it_is_asked_to, a_flight_may_start_on_the_ground,
          an_aircraft_is_chosen_by_name_or_file, the_table_of_aircraft_is_the_documented_one, flights_are_converted,
-         conversions_that_cannot_be_are_refused, a_flight_without_a_date_is_given_one, a_pipe_is_not_waited_for,
+         a_conversion_has_its_points_as_far_apart_as_asked, conversions_that_cannot_be_are_refused, a_flight_without_a_date_is_given_one, a_pipe_is_not_waited_for,
          a_full_disk_is_an_error, a_recorded_flight_is_flown_again, another_flight_is_told_from_its_step_on,
          a_damaged_recording_says_what_is_lost, replays_that_cannot_be_are_refused, a_recording_without_its_land_says_so,
          films_have_their_frames_at_exact_times, a_recording_is_converted, a_flight_goes_on_when_the_disk_is_full]

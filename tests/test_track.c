@@ -243,6 +243,39 @@ static void test_a_file_that_is_not_there_is_named(void **state) {
     assert_non_null(strstr(heard.text, "no-such-flight.csv"));
 }
 
+// A stretch of 10 s and one of 4 s, with a gap of 20 s between them.
+static Track two_stretches(void) {
+    static const double TIMES[] = {0, 3, 7, 10, 30, 34};
+    Track track = {.name = "two", .count = COUNT_OF(TIMES), .start_unix_s = NAN};
+    track.points = calloc(COUNT_OF(TIMES), sizeof *track.points);
+    assert_non_null(track.points);
+    for (int i = 0; i < track.count; i++)
+        track.points[i] = (TrackPoint){.t_s = TIMES[i], .at = {46.0 + 1e-3 * TIMES[i], 8.0, 1000.0, 0.0, 0.0}};
+    track.points[4].flags = TRACK_GAP;
+    return track;
+}
+
+static void test_points_are_made_at_even_times_within_each_stretch(void **state) {
+    (void)state;
+    static const double WANTED[] = {0, 4, 8, 10, 30, 34};
+    Track track = two_stretches(), before = two_stretches();
+    assert_int_equal(track_resample(&track, 4.0), RESULT_OK);
+    assert_int_equal(track.count, COUNT_OF(WANTED));
+    for (int i = 0; i < track.count; i++) {
+        assert_float_equal(track.points[i].t_s, WANTED[i], 1e-12);
+        assert_float_equal(track.points[i].at.lat_deg, track_at(&before, WANTED[i]).lat_deg, 1e-9);
+        assert_int_equal(track.points[i].flags, i == 4 ? TRACK_GAP : 0);
+    }
+    Heard heard;
+    heard_begin(&heard);
+    assert_int_equal(track_resample(&track, 1e-6), RESULT_RANGE);
+    heard_end();
+    assert_non_null(strstr(heard.text, "are the most; take --interval 0.001 or longer"));
+    assert_int_equal(track.count, COUNT_OF(WANTED));
+    track_clear(&track);
+    track_clear(&before);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_built_in_flights_stay_over_the_terrain_and_above_its_ground),
@@ -254,6 +287,7 @@ int main(void) {
         cmocka_unit_test(test_columns_may_stand_in_any_order_and_directions_may_be_left_out),
         cmocka_unit_test(test_what_is_wrong_with_a_file_is_told_with_its_line),
         cmocka_unit_test(test_a_line_without_end_is_refused),
+        cmocka_unit_test(test_points_are_made_at_even_times_within_each_stretch),
         cmocka_unit_test(test_a_file_that_is_not_there_is_named),
     };
     return cmocka_run_group_tests_name("test_track", tests, NULL, NULL);

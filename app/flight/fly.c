@@ -6,6 +6,7 @@
 #include "app/flight/fly_outputs.h"
 #include "app/picture_options.h"
 #include "app/replay/replay_scene.h"
+#include "app/track/track_options.h"
 #include "base/log.h"
 
 #include <stdlib.h>
@@ -55,20 +56,19 @@ static Result open_context(Fly *fly) {
 
 // Before anything slow: whether the track can be read at all.
 static Result check_track(const Fly *fly) {
-    const TrackFormat *format;
+    const TrackFormat *format = NULL;
     bool other = fly->track && !playback_is_recording(fly->track);
-    return other ? track_format_of_file(fly->track, &format) : RESULT_OK;
+    Result result = other ? track_format_of_file(fly->track, &format) : RESULT_OK;
+    if (result == RESULT_OK && fly->track)
+        track_warn_of_unused(fly->options, fly->track, format);
+    return result;
 }
 
 static Result start_replay(Fly *fly) {
-    PlaybackOptions playback = {.how = track_reading_default(),
+    PlaybackOptions playback = {.how = track_reading_of(fly->options, fly->world.geoid),
                                 .aircraft = replay_aircraft(fly->options),
                                 .ground = fly->session->flight.ground,
                                 .dem_hash = dem_hash(terrain_dem(fly->world.terrain))};
-    playback.how.geoid = fly->world.geoid;
-    playback.how.object = options_text(fly->options, OPTION_OBJECT);
-    if (options_is_set(fly->options, OPTION_IGC_ALT))
-        playback.how.igc_alt = (TrackIgcAlt)options_choice(fly->options, OPTION_IGC_ALT);
     Result result = playback_open(fly->track, &playback, &fly->playback);
     return result == RESULT_OK ? session_begin_replay(fly->session, fly->playback, fly->options) : result;
 }

@@ -82,9 +82,9 @@ static Result load_aircraft(const char *path, const RecordingHeader *header, con
     if (result == RESULT_OK)
         result = aircraft_read(file, &playback->aircraft);
     if (result != RESULT_OK && !named)
-        log_info("%s was recorded with the aircraft '%s'; have it there again, or name it as it is here:\n"
-                 "  overfly replay %s --aircraft NAME|FILE",
-                 path, playback->aircraft_name, path);
+        log_info("%s was recorded with the aircraft '%s'; have it there again, or name it as it is here: "
+                 "--aircraft NAME|FILE",
+                 path, playback->aircraft_name);
     return result;
 }
 
@@ -310,21 +310,13 @@ static void fill_track(Playback *playback, double interval_s, int most, Track *o
     }
 }
 
-static Result check_points(const Playback *playback, double interval_s, double count) {
-    if (count <= TRACK_POINTS_MAX)
-        return RESULT_OK;
-    log_error("%s: %.0f points %g s apart, and %d are the most; take --interval %.3g or longer",
-              recording_reader_path(playback->reader), count, interval_s, TRACK_POINTS_MAX,
-              ceil(playback_duration_s(playback) / TRACK_POINTS_MAX * 1e3) * 1e-3);
-    return RESULT_RANGE;
-}
-
 Result playback_track(Playback *playback, double interval_s, Track *out) {
     if (!playback->reader)
         return RESULT_UNSUPPORTED;
     const RecordingHeader *header = recording_reader_header(playback->reader);
     double count = floor(playback_duration_s(playback) / interval_s + 1e-6) + 1.0;
-    Result result = check_points(playback, interval_s, count);
+    Result result =
+        track_check_interval(recording_reader_path(playback->reader), count, interval_s, playback_duration_s(playback));
     if (result != RESULT_OK)
         return result;
     int most = (int)count;

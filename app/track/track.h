@@ -122,5 +122,11 @@ Viewpoint track_at(const Track *track, double t_s);
 // Of all points: to tell tracks apart.
 uint64_t track_hash(const Track *track);
 
+// A point every `interval_s` instead of those there are, interpolated as by track_state_at; each stretch without a gap
+// begins with its first point and ends with its last. MEMORY; RANGE, logged: more points than tracks have.
+MUST_USE Result track_resample(Track *track, double interval_s);
+// Whether a track may have so many points so far apart; else RANGE, logged with an interval that would do.
+MUST_USE Result track_check_interval(const char *name, double points, double interval_s, double duration_s);
+
 // The direction from one place to another, at the first; heading 0..360. The same place: north, level.
 void track_look(const Viewpoint *from, const Viewpoint *to, double *heading_deg, double *pitch_deg);
