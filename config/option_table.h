@@ -133,7 +133,7 @@
     X(ERRORS, "errors", 0, TEXT, "LIST", NULL, 0, 0, NULL, COMMAND_BENCH,                                              \
       "kinds of --error that the first method is run with as well: midpoint,total:8,total if not given")               \
     X(TRACK, "track", 0, TEXT, "LIST", NULL, 0, 0, NULL, COMMAND_BENCH,                                                \
-      "flights: valley,ridge,pass,dive,turn, or CSV files")                                                            \
+      "flights: valley,ridge,pass,dive,turn, or files of them, as 'overfly convert' reads")                            \
     X(BENCH_QUICK, "quick", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_BENCH,                                         \
       "a minute or so: fewer methods, tolerances and frames, a smaller picture")                                       \
     X(SCREENSHOT, "screenshot", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMANDS_FLIGHT, "write the last frame as PNG")     \

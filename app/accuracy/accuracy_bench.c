@@ -56,6 +56,8 @@ Result bench_accuracy(const Options *options) {
         result = judge(accuracy);
     if (accuracy)
         accuracy_clear(accuracy);
+    if (plan)
+        accuracy_plan_clear(plan);
     free(accuracy);
     free(plan);
     return result;

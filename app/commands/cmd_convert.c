@@ -9,7 +9,6 @@
 #include "app/track/track_time.h"
 #include "base/log.h"
 
-#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -93,17 +92,7 @@ static double interval_s(const Convert *c) {
     return has_whole_seconds(c) ? INTERVAL_IGC_S : INTERVAL_S;
 }
 
-static void warn_of_difference(const Convert *c, const Playback *playback) {
-    char when[RECORDING_TIME_BYTES];
-    int64_t step = playback_first_difference(playback);
-    if (step >= 0)
-        log_warn("%s: flown again it is another flight from step %" PRId64 " on (%s): what is written is what was "
-                 "flown now",
-                 c->in, step, recording_time_text((uint64_t)step, RECORDING_STEPS_PER_S, when));
-}
-
 static Result fly_again(Convert *c, TrackReading how) {
-    Playback *playback = NULL;
     Result result = replay_check_scene(c->options, c->in);
     if (result == RESULT_OK)
         result = replay_load_scene(c->options, c->in, &c->world);
@@ -113,13 +102,7 @@ static Result fly_again(Convert *c, TrackReading how) {
                                      .aircraft = replay_aircraft(c->options),
                                      .ground = session_ground(&c->world),
                                      .dem_hash = dem_hash(terrain_dem(c->world.terrain))};
-    result = playback_open(c->in, &options, &playback);
-    if (result == RESULT_OK)
-        result = playback_track(playback, interval_s(c), &c->track);
-    if (result == RESULT_OK)
-        warn_of_difference(c, playback);
-    playback_close(&playback);
-    return result;
+    return playback_load_track(c->in, &options, interval_s(c), &c->track);
 }
 
 static Result read_points(Convert *c, TrackReading how) {

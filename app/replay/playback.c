@@ -332,3 +332,23 @@ Result playback_track(Playback *playback, double interval_s, Track *out) {
     fill_track(playback, interval_s, most, out);
     return RESULT_OK;
 }
+
+static void warn_of_difference(const char *path, const Playback *playback) {
+    char when[RECORDING_TIME_BYTES];
+    int64_t step = playback_first_difference(playback);
+    if (step >= 0)
+        log_warn("%s: flown again it is another flight from step %" PRId64 " on (%s): what is taken is what was flown "
+                 "now",
+                 path, step, recording_time_text((uint64_t)step, RECORDING_STEPS_PER_S, when));
+}
+
+Result playback_load_track(const char *path, const PlaybackOptions *options, double interval_s, Track *out) {
+    Playback *playback = NULL;
+    Result result = playback_open(path, options, &playback);
+    if (result == RESULT_OK)
+        result = playback_track(playback, interval_s, out);
+    if (result == RESULT_OK)
+        warn_of_difference(path, playback);
+    playback_close(&playback);
+    return result;
+}

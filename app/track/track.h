@@ -91,14 +91,10 @@ typedef struct Track {
 
 // A flight over the world's terrain; the same terrain gives the same bits. RANGE: not one sample has data; MEMORY.
 MUST_USE Result track_builtin(const World *world, TrackKind kind, Track *out);
-// A CSV file: a line of column names (t_s, lat_deg, lon_deg, alt_m, and heading_deg, pitch_deg or neither; bank_deg,
-// gap, derived, unix_s where they are there; others are left alone, and so are lines that begin with '#'), then a line
-// a point. Without directions the eye looks along its way. NOT_FOUND, IO, MEMORY; FORMAT names the file, the line, and
-// what was expected.
-MUST_USE Result track_read(const char *path, Track *out);
-// The same file, with directions; bank, gaps, what is derived and the time where any point has them. True when all of
-// it was taken.
+// CSV, with directions; bank, gaps, what is derived and the time where any point has them. True when all of it was
+// taken.
 bool track_write(const Track *track, FILE *to);
+MUST_USE Result track_copy(const Track *track, Track *out); // MEMORY, logged
 void track_clear(Track *track);
 
 double track_duration_s(const Track *track);

@@ -146,18 +146,6 @@ static Result add_point(Reader *r) {
     return track_build_add(&r->build, r->lines.number, &point);
 }
 
-// Where no directions are told: to the next point, and at the end as before.
-static void look_along(Track *track) {
-    for (int i = 0; i + 1 < track->count; i++)
-        track_look(&track->points[i].at, &track->points[i + 1].at, &track->points[i].at.heading_deg,
-                   &track->points[i].at.pitch_deg);
-    if (track->count < 2)
-        return;
-    const Viewpoint *before = &track->points[track->count - 2].at;
-    track->points[track->count - 1].at.heading_deg = before->heading_deg;
-    track->points[track->count - 1].at.pitch_deg = before->pitch_deg;
-}
-
 static Result read_all(Reader *r) {
     Result result = RESULT_OK;
     if (!next_line(r, &result))
@@ -186,20 +174,6 @@ static Result read_file(const char *path, Track *out, bool columns[COLUMN_COUNT]
     return result;
 }
 
-Result track_read(const char *path, Track *out) {
-    Track track;
-    bool columns[COLUMN_COUNT];
-    Result result = read_file(path, &track, columns);
-    if (result != RESULT_OK)
-        return result;
-    if (!columns[HEADING])
-        look_along(&track);
-    *out = track;
-    return RESULT_OK;
-}
-
-// ---- as one of the formats ----
-
 bool track_csv_recognise(const char *head) {
     return strstr(head, "t_s") && strstr(head, "lat_deg") && strstr(head, "lon_deg");
 }
@@ -209,7 +183,7 @@ static void mark_derived(Track *track) {
         track->points[i].flags |= TRACK_DERIVED;
 }
 
-// As track_read, but of an aircraft: without directions it banks as well, and what is no one flight is a gap.
+// Where the file does not say so, attitude is derived, and what is no one flight is a gap.
 Result track_csv_read(const char *path, const TrackReading *how, Track *out) {
     bool columns[COLUMN_COUNT];
     (void)how;
