@@ -120,6 +120,25 @@ static void too_many_places_are_told_with_the_line(void **state) {
     free(demo);
 }
 
+static void a_demo_without_places_goes_nowhere(void **state) {
+    (void)state;
+    Geoid *geoid = NULL;
+    char path[PATHS_BYTES_MAX];
+    Demo *demo = calloc(1, sizeof *demo);
+    Heard heard;
+    assert_non_null(demo);
+    assert_int_equal(paths_find_data("geoid/egm96-15.pgm", path), RESULT_OK);
+    assert_int_equal(geoid_open(path, &geoid), RESULT_OK);
+    write_text("title Nowhere\n");
+    heard_begin(&heard);
+    assert_int_equal(demo_read(PATH, geoid, demo), RESULT_FORMAT);
+    heard_end();
+    unlink(PATH);
+    assert_non_null(strstr(heard.text, "demo_test.demo: the demo flight goes nowhere; expected lines 'to "));
+    geoid_close(&geoid);
+    free(demo);
+}
+
 // What stands in the file, but depends on what else there is.
 static void an_unknown_aircraft_is_told_with_file_and_line(void **state) {
     (void)state;
@@ -284,6 +303,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_file_tells_its_title_and_where_it_is_wrong),
         cmocka_unit_test(too_many_places_are_told_with_the_line),
+        cmocka_unit_test(a_demo_without_places_goes_nowhere),
         cmocka_unit_test(an_unknown_aircraft_is_told_with_file_and_line),
         cmocka_unit_test(three_demos_come_along_with_titles),
         cmocka_unit_test(demos_are_flown_to_their_end),
