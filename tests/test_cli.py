@@ -523,7 +523,10 @@ def a_flight_may_start_on_the_ground(cli):
 
 
 def an_aircraft_is_chosen_by_name_or_file(cli):
-    cli.refused(1, "did you mean 'c172'?", "fly", "--no-window", "--frames", "1", "--aircraft", "c127")
+    nowhere = ["nowhere.tif", "--no-window", "--frames", "1"]  # which would be told next
+    cli.refused(1, "--aircraft: expected the file of an aircraft (.aircraft), or one of ask21, c172, t37; found 'c127'; did "
+                "you mean 'c172'?", "fly", *nowhere, "--aircraft", "c127")
+    cli.refused(1, "found 'rond'; did you mean 'round'?", "demo", "rond", *nowhere)
     own = cli.write("own.aircraft", "[mass]\nmas = 3\n")
     cli.refused(1, "own.aircraft:2: an aircraft has no 'mas' in [mass]; did you mean 'mass'?", "fly", "--no-window",
                 "--frames", "1", "--aircraft", own)

@@ -1,5 +1,6 @@
 #include "app/flight/fly.h"
 
+#include "app/demo/demo_list.h"
 #include "app/flight/flight_loop.h"
 #include "app/flight/flight_pipeline.h"
 #include "app/flight/flight_report.h"
@@ -61,6 +62,18 @@ static Result check_track(const Fly *fly) {
     Result result = other ? track_format_of_file(fly->track, &format) : RESULT_OK;
     if (result == RESULT_OK && fly->track)
         track_warn_of_unused(fly->options, fly->track, format);
+    return result;
+}
+
+// Likewise what is known by a name, which may be mistyped. What is wrong in the files is found by who reads them.
+static Result check_named(const Fly *fly) {
+    const Options *options = fly->options;
+    char path[PATHS_BYTES_MAX];
+    Result result = RESULT_OK;
+    if (options_command(options) == COMMAND_DEMO)
+        result = demo_find(options_positionals(options)[0], path);
+    if (result == RESULT_OK && options_is_given(options, OPTION_AIRCRAFT))
+        result = aircraft_find(options_where(options, OPTION_AIRCRAFT), options_text(options, OPTION_AIRCRAFT), path);
     return result;
 }
 
@@ -150,6 +163,8 @@ static Result prepare(Fly *fly) {
     Result result = fly_check_outputs(fly->options);
     if (result == RESULT_OK)
         result = check_track(fly);
+    if (result == RESULT_OK)
+        result = check_named(fly);
     if (result == RESULT_OK)
         result = fly->track ? replay_check_scene(fly->options, fly->track) : world_check_inputs(fly->options);
     if (result == RESULT_OK)
