@@ -100,6 +100,37 @@ Result world_check_inputs(const Options *options) {
     return result;
 }
 
+// ---- What is read -----------------------------------------------------------------------------------------------
+
+static Result visit_scene(const Scene *scene, WorldVisit *visit, void *user) {
+    Result result = RESULT_OK;
+    for (int i = 0; i < scene->dem_count && result == RESULT_OK; i++)
+        result = visit(user, scene->dem[i]);
+    if (result == RESULT_OK && scene->image)
+        result = visit(user, scene->image);
+    return result == RESULT_OK && scene->demo ? visit(user, scene->demo) : result;
+}
+
+Result world_visit_listed(const char *const *names, int count, WorldVisit *visit, void *user) {
+    char path[PATHS_BYTES_MAX];
+    Scene scene = {.datum = -1, .voids = -1};
+    Result result = RESULT_OK;
+    for (int i = 0; i < count && result == RESULT_OK; i++)
+        result = visit(user, find_named_scene(names[i], path) ? path : names[i]);
+    if (result == RESULT_OK)
+        result = read_listed(names, count, &scene);
+    if (result == RESULT_OK)
+        result = visit_scene(&scene, visit, user);
+    scene_clear(&scene);
+    return result;
+}
+
+Result world_visit_files(const Options *options, WorldVisit *visit, void *user) {
+    int first = first_scene(options);
+    int count = options_positional_count(options) - first;
+    return world_visit_listed(options_positionals(options) + first, count, visit, user);
+}
+
 // ---- Loading ----------------------------------------------------------------------------------------------------
 
 // Index in the choices of the option: what was given on purpose, else the scene's word, else the default.

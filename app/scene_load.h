@@ -50,6 +50,11 @@ MUST_USE Result world_check_listed(const Options *options, const char *const *na
 MUST_USE Result world_load_listed(const Options *options, const char *const *names, int count, World *out);
 // The same for one scene or DEM by its name, or the default scene where it is NULL, with a hierarchy of its own.
 MUST_USE Result world_load_named(const Options *options, const char *name, const TerrainOptions *terrain, World *out);
+// Names to `visit` each file that a world is read from: the scene's own, and what it names. What is not RESULT_OK ends
+// it and is handed on; errors of reading a scene.
+typedef Result WorldVisit(void *user, const char *file);
+MUST_USE Result world_visit_files(const Options *options, WorldVisit *visit, void *user);
+MUST_USE Result world_visit_listed(const char *const *names, int count, WorldVisit *visit, void *user);
 // Whether its files are there, as world_check_inputs.
 MUST_USE Result world_check_named(const Options *options, const char *name);
 void world_unload(World *world);

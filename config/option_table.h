@@ -113,7 +113,7 @@
       "for a stand: the demo begins again at its end, on Esc, and when nobody steers for --idle")                      \
     X(IDLE, "idle", 0, NUMBER, "S", "45", 1, 86400, NULL, COMMAND_DEMO,                                                \
       "with --kiosk: seconds until the demo begins again")                                                             \
-    X(AIRCRAFT, "aircraft", 0, TEXT, "NAME|FILE", "t37", 0, 0, NULL, COMMANDS_FLIGHT,                                  \
+    X(AIRCRAFT, "aircraft", 0, TEXT, "NAME|FILE", "t37", 0, 0, NULL, COMMANDS_FLIGHT | COMMAND_CONVERT,                \
       "what is flown: one that 'overfly aircraft' lists, or an aircraft file; replaying: instead of what was recorded")\
     X(TRIM, "trim", 0, FLAG, NULL, "true", 0, 0, NULL, COMMANDS_FLOWN, "start in steady flight")                       \
     X(ON_GROUND, "on-ground", 0, FLAG, NULL, "false", 0, 0, NULL, COMMANDS_FLOWN, "start standing on the ground")      \
@@ -133,7 +133,7 @@
     X(ERRORS, "errors", 0, TEXT, "LIST", NULL, 0, 0, NULL, COMMAND_BENCH,                                              \
       "kinds of --error that the first method is run with as well: midpoint,total:8,total if not given")               \
     X(TRACK, "track", 0, TEXT, "LIST", NULL, 0, 0, NULL, COMMAND_BENCH,                                                \
-      "flights: valley,ridge,pass,dive,turn, or CSV files")                                                            \
+      "flights: valley,ridge,pass,dive,turn, or files of them, as 'overfly convert' reads")                            \
     X(BENCH_QUICK, "quick", 0, FLAG, NULL, "false", 0, 0, NULL, COMMAND_BENCH,                                         \
       "a minute or so: fewer methods, tolerances and frames, a smaller picture")                                       \
     X(SCREENSHOT, "screenshot", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMANDS_FLIGHT, "write the last frame as PNG")     \
@@ -169,7 +169,7 @@
     X(OBJECT, "object", 0, TEXT, "NAME", NULL, 0, 0, NULL, COMMAND_CONVERT | COMMAND_REPLAY,                           \
       "which track of several: its name, or its number; of ACMI its id")                                               \
     X(INTERVAL, "interval", 0, NUMBER, "S", NULL, 0.01, 3600, NULL, COMMAND_CONVERT,                                   \
-      "between the points that a recording (.ofr) is written with; 0.5 if not given, of IGC 1")                        \
+      "between the points that are written; if not given, those of the file, and of a recording (.ofr) 0.5, for IGC 1")\
     X(START, "start", 0, TEXT, "TIME", NULL, 0, 0, NULL, COMMAND_CONVERT,                                              \
       "when the flight began, as 2024-06-01T12:00:00Z, instead of what the file says")                                 \
                                                                                                                        \

@@ -1,6 +1,7 @@
 #include "config/suggest.h"
 
 #include <ctype.h>
+#include <stdio.h>
 #include <string.h>
 
 #define NAME_MAX_LENGTH 63
@@ -59,4 +60,12 @@ const char *suggest_nearest(const char *typed, const char *const *names, int cou
         if (begins_with(names[i], typed))
             return names[i];
     return NULL;
+}
+
+const char *suggest_question(const char *typed, const char *const *names, int count, char out[SUGGEST_BYTES]) {
+    const char *nearest = suggest_nearest(typed, names, count);
+    out[0] = '\0';
+    if (nearest)
+        snprintf(out, SUGGEST_BYTES, "; did you mean '%s'?", nearest);
+    return out;
 }

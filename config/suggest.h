@@ -10,3 +10,7 @@ int suggest_distance(const char *a, const char *b);
 bool suggest_is_near(const char *typed, int distance);
 // The nearest of `names`, or NULL when none is near.
 const char *suggest_nearest(const char *typed, const char *const *names, int count);
+
+#define SUGGEST_BYTES 320
+// The end of a message, in `out`: "; did you mean 'NEAREST'?", or "" when none is near.
+const char *suggest_question(const char *typed, const char *const *names, int count, char out[SUGGEST_BYTES]);

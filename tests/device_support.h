@@ -11,7 +11,7 @@ typedef struct FakePad FakePad;     // a wired Xbox 360 pad
 
 #define FAKE_RUMBLES_MAX 64
 
-// Whether the preload library is there; where not, tests are skipped.
+// Whether the preload library is there; where not, it says that tests are skipped, for which main returns 77.
 bool fake_bed_works(void);
 FakeBed *fake_bed_create(void);
 void fake_bed_destroy(FakeBed **bed);

@@ -200,7 +200,7 @@ static char *told_by_report(const Accuracy *accuracy) {
     char folder[] = "test_accuracy_XXXXXX", path[64], *bytes;
     size_t count;
     assert_non_null(mkdtemp(folder));
-    assert_int_equal(accuracy_check_report(folder), RESULT_OK);
+    assert_int_equal(accuracy_check_report(accuracy->plan.options, folder), RESULT_OK);
     assert_int_equal(accuracy_write_report(accuracy, folder), RESULT_OK);
     snprintf(path, sizeof path, "%s/report.html", folder);
     assert_int_equal(accuracy_read_file(path, &bytes, &count), RESULT_OK);

@@ -75,7 +75,7 @@ static void an_aircraft_is_read_in_si_units(void **state) {
 
 static void the_own_aircraft_are_listed_in_order(void **state) {
     (void)state;
-    AircraftList list;
+    NamedFiles list;
     assert_int_equal(aircraft_list(&list), RESULT_OK);
     assert_int_equal(list.count, 3);
     for (int i = 1; i < list.count; i++)
@@ -144,8 +144,10 @@ static void unknown_names_are_told_the_nearest(void **state) {
     heard_end();
     assert_int_equal(unknown, RESULT_NOT_FOUND);
     assert_int_equal(missing, RESULT_NOT_FOUND);
-    assert_non_null(strstr(heard.text, "one of ask21, c172, t37; did you mean 'c172'?"));
-    assert_non_null(strstr(heard.text, "no/such.aircraft: the aircraft file does not exist"));
+    assert_non_null(strstr(heard.text,
+                           "aircraft: expected the file of an aircraft (.aircraft), or one of ask21, c172, t37; found "
+                           "'c127'; did you mean 'c172'?"));
+    assert_non_null(strstr(heard.text, "there is no file 'no/such.aircraft'"));
     assert_int_equal(heard.errors, 2);
 }
 

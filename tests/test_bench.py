@@ -197,14 +197,25 @@ def other_kinds_of_errors_cost_and_give_what_they_should(cli):
     expect_true(f"kinds preprocessed: {kinds}", {"midpoint", "total"} <= kinds)
 
 
-def a_flight_from_a_file_is_flown(cli):
+def flights_from_files_are_flown(cli):
+    """Of every format that is read; one of a report is the same flight again."""
     folder, report = cli.report("first")
     flight = os.path.join(folder, "flight-jacksboro_fault-ridge.csv")
-    code, out, err = cli.run("bench", *TINY, "--track", flight, "--methods", "hybrid", "--errors", "total", "--json")
+    names = [f"ridge.{ending}" for ending in ("igc", "gpx", "kml", "acmi", "csv")]
+    for name in names:
+        code, _, err = cli.run("convert", flight, name, "--start", "2024-06-01T12:00:00Z", "--interval", "20")
+        expect(f"{name}: exit status, having said {err!r}", code, 0)
+    code, _, err = cli.run("fly", DEM, "--no-window", "--demo", "--frames", "5", "--time-rate", "16", "--size", "64x48",
+                           "--record", "flown.ofr")
+    expect(f"recording: exit status, having said {err!r}", code, 0)
+    code, out, err = cli.run("bench", *SMALL, "--track", ",".join([flight, *names, "flown.ofr"]), "--methods", "hybrid",
+                             "--tau", "4", "--frames", "3", "--json")
     expect(f"exit status, having said {err!r}", code, 0)
-    again = json.loads(out)
-    expect("hash", again["dems"][0]["flights"][0]["hash"], report["dems"][0]["flights"][0]["hash"])
-    expect("name", again["dems"][0]["flights"][0]["name"], "flight-jacksboro_fault-ridge")
+    again = json.loads(out)["dems"][0]["flights"]
+    expect("hash", again[0]["hash"], report["dems"][0]["flights"][0]["hash"])
+    expect("names", [flight["name"] for flight in again],
+           ["flight-jacksboro_fault-ridge", "ridge"] + [f"ridge-{number}" for number in range(3, 7)] + ["t37"])
+    expect_true(f"nobody is beside the terrain: {err!r}", "eyes" not in err)
 
 
 def several_dems_stand_side_by_side(cli):
@@ -373,7 +384,7 @@ CASES = [all_files_are_there, json_keeps_its_contract, promises_are_those_of_the
          the_command_of_the_worst_frame_measures_it_again, the_command_tells_what_else_was_given,
          where_nothing_is_promised_nothing_is_said_to_hold, names_that_are_alike_are_told_apart, names_are_no_commands,
          mistakes_are_found_before_the_work, other_kinds_of_errors_cost_and_give_what_they_should,
-         a_flight_from_a_file_is_flown, several_dems_stand_side_by_side, mistakes_are_named,
+         flights_from_files_are_flown, several_dems_stand_side_by_side, mistakes_are_named,
          what_is_not_heeded_is_told, nothing_is_left_behind_by_what_was_refused, a_style_matches_what_gnuplot_writes,
          the_report_works_in_a_browser]
 

@@ -170,7 +170,7 @@ def files_of_other_kinds_are_not_written_over(cli):
     cli.refused(2, "no recording of this program", *fly, "--record", "plain.ofr")
     cli.refused(2, "no telemetry of this program", *fly, "--telemetry", "notes.csv")
     cli.refused(2, ".ofr are of recordings", *fly, "--record", "new.ofr", "--telemetry", "./new.ofr")
-    cli.refused(2, "the flight that is replayed", "replay", "notes.csv", "--telemetry", "./notes.csv")
+    cli.refused(2, "./notes.csv is a file that is read", "replay", "notes.csv", "--telemetry", "./notes.csv")
     cli.refused(2, "--record: a value is missing", *fly, "--record", "--no-window")
     for path, text in ((notes, "t_s,what\n0,words\n"), (plain, "no recording")):
         with open(path, encoding="utf-8") as file:
@@ -178,6 +178,39 @@ def files_of_other_kinds_are_not_written_over(cli):
     run = ["fly", *SMALL, "--no-window", "--demo", "--frames", "2", "--telemetry"]
     for _ in range(2):
         cli.json(*run, "own.csv")
+
+
+def nothing_is_written_over_what_is_read(cli):
+    """By whatever name: of a link, in a scene, in a folder of pictures or of a report."""
+    window = ["--no-window", "--frames", "1"]
+    cli.write_picture("red.png")
+    os.link(cli.path("red.png"), cli.path("same.png"))
+    os.mkdir(cli.path("out"))
+    os.link(cli.path("red.png"), cli.path("out/overfly-001.png"))
+    flight = cli.write("out/flight-a.csv", "t_s,lat_deg,lon_deg,alt_m\n0,36.58,-84.24,1500\n1,36.581,-84.24,1500\n")
+    os.link(flight, cli.path("flight.mp4"))
+    os.symlink(DEM, cli.path("mesh.obj"))
+    os.symlink(DEM, cli.path("out/ye.tif"))
+    scene = cli.write("own.scene", f"[terrain]\ndem = {DEM}\nimage = red.png\n[demo]\nfile = own.demo\n")
+    demo = cli.write("own.demo", "to 36.58,-84.24,1500m 100m/s\n")
+    before = {name: os.stat(cli.path(name)).st_mtime_ns for name in ("red.png", "own.demo", "own.scene", "out/flight-a.csv")}
+    for said, command in ((("--output", "red.png"), ["snapshot", "-o", "same.png", "--image", "red.png"]),
+                          (("--output", "red.png"), ["snapshot", "-o", "same.png", scene]),
+                          (("--screenshot", "same.png"), ["fly", *window, "--image", "same.png", "--screenshot", "./red.png"]),
+                          (("--screenshot", "red.png"), ["demo", demo, scene, *window, "--screenshot", "same.png"]),
+                          (("--pictures", "out/overfly-001.png"),
+                           ["fly", *window, "--image", "out/overfly-001.png", "--pictures", "out"]),
+                          (("--telemetry", "own.demo"), ["demo", "own.demo", *window, "--telemetry", demo]),
+                          (("--telemetry", "own.demo"), ["fly", scene, *window, "--telemetry", "own.demo"]),
+                          (("--telemetry", "own.scene"), ["fly", scene, *window, "--telemetry", "own.scene"]),
+                          (("--video", "flight-a.csv"), ["replay", flight, "--video", "flight.mp4"]),
+                          (("--output", DEM), ["mesh", DEM, "-o", "mesh.obj"]),
+                          (("--output", flight), ["bench", "--track", f"valley,{flight}", "-o", "out"]),
+                          (("--output", "out/ye.tif"), ["reproduce", "ye", "out/ye.tif", "-o", "out"])):
+        cli.refused(2, [*said, "read", "name another"], *command)
+    for name, time in before.items():
+        expect(f"{name} as it was", os.stat(cli.path(name)).st_mtime_ns, time)
+    cli.refused(1, "nowhere.tif", "fly", "nowhere.tif", *window, "--image", "out/ye.tif", "--pictures", "out")
 
 
 def options_that_change_nothing_are_told(cli):
@@ -490,7 +523,10 @@ def a_flight_may_start_on_the_ground(cli):
 
 
 def an_aircraft_is_chosen_by_name_or_file(cli):
-    cli.refused(1, "did you mean 'c172'?", "fly", "--no-window", "--frames", "1", "--aircraft", "c127")
+    nowhere = ["nowhere.tif", "--no-window", "--frames", "1"]  # which would be told next
+    cli.refused(1, "--aircraft: expected the file of an aircraft (.aircraft), or one of ask21, c172, t37; found 'c127'; did "
+                "you mean 'c172'?", "fly", *nowhere, "--aircraft", "c127")
+    cli.refused(1, "found 'rond'; did you mean 'round'?", "demo", "rond", *nowhere)
     own = cli.write("own.aircraft", "[mass]\nmas = 3\n")
     cli.refused(1, "own.aircraft:2: an aircraft has no 'mas' in [mass]; did you mean 'mass'?", "fly", "--no-window",
                 "--frames", "1", "--aircraft", own)
@@ -531,9 +567,21 @@ def flights_are_converted(cli):
         back = cli.json("convert", f"b.{ending}", f"c-{ending}.csv")
         for name in ("points", "gaps", "duration_s", "start_utc", "attitude"):
             expect(f"{ending}: {name} read again", back[name], report[name])
+    for name, said in (("--aircraft", "--aircraft changes nothing: a.igc is IGC flight log; only a recording"),
+                       ("--object", "--object changes nothing: a.igc is IGC flight log")):
+        cli.warned(said, "convert", "a.igc", "b.gpx", name, "c172")
+    cli.warned("--igc-alt changes nothing: b.gpx is GPX 1.1", "convert", "b.gpx", "c.kml", "--igc-alt", "geoid")
     text = cli.run("convert", "a.igc", "b.gpx").out
     for part in ("89 points, 89 s, from 2024-06-01T12:00:00Z", "above the geoid", "derived from the path", "has no attitude"):
         expect_in("convert", part, text)
+
+
+def a_conversion_has_its_points_as_far_apart_as_asked(cli):
+    cli.write("a.igc", FLIGHT)
+    for interval, points in (("10", 10), ("0.5", 179), ("1000", 2)):
+        report = cli.json("convert", "a.igc", "b.csv", "--interval", interval)
+        expect(f"--interval {interval}", (report["points"], report["duration_s"]), (points, 89))
+    cli.warned("--interval 0.5: an IGC file has whole seconds", "convert", "a.igc", "b.igc", "--interval", "0.5")
 
 
 def conversions_that_cannot_be_are_refused(cli):
@@ -543,11 +591,12 @@ def conversions_that_cannot_be_are_refused(cli):
     before = sorted(os.listdir(cli.folder))
     cli.refused(2, "expected two files", "convert", "a.igc")
     cli.refused(2, "expected a name that ends with one of .igc, .gpx, .kml, .acmi, .csv", "convert", "a.igc", "b.txt")
-    cli.refused(2, "is the file that is read", "convert", "a.igc", "link.igc")
+    cli.refused(2, "link.igc is a file that is read, a.igc", "convert", "a.igc", "link.igc")
     cli.refused(2, "give it one: --start", "convert", "still.csv", "b.gpx")
     cli.refused(2, "--start: found 'noon'", "convert", "still.csv", "b.gpx", "--start", "noon")
     cli.refused(2, "--igc-alt", "convert", "a.igc", "b.gpx", "--igc-alt", "msl")
     cli.refused(1, "missing.igc", "convert", "missing.igc", "b.gpx")
+    cli.refused(1, "missing.igc", "convert", "missing.igc", "b.txt")  # what is read comes first
     cli.refused(1, "a folder", "convert", ".", "b.gpx")
     cli.refused(1, "cannot be written", "convert", "a.igc", os.path.join("nowhere", "b.gpx"))
     cli.refused(1, "no-geoid.pgm", "convert", "a.igc", "b.gpx", "--geoid", "no-geoid.pgm")
@@ -636,6 +685,9 @@ def another_flight_is_told_from_its_step_on(cli):
     cli.refused(1, ["mine.aircraft", "--aircraft NAME|FILE"], "replay", "a.ofr", "--verify")
     run = cli.run("replay", "a.ofr", "--verify", "--aircraft", "moved/mine.aircraft")
     expect("with the file named: exit status, warnings", (run.code, "warning: " in run.err), (0, False))
+    cli.refused(1, ["a.ofr: there is no file", "--aircraft NAME|FILE"], "convert", "a.ofr", "a.csv")
+    run = cli.run("convert", "a.ofr", "a.csv", "--aircraft", "moved/mine.aircraft")
+    expect("converted with the file named: exit status, warnings", (run.code, "warning: " in run.err), (0, False))
     run = cli.run("replay", "a.ofr", "--verify", "--aircraft", "c172")
     expect("with another: exit status", run.code, 1)
     expect_in("warning", "the figures of 'c172' are others", run.err)
@@ -678,7 +730,7 @@ def replays_that_cannot_be_are_refused(cli):
     cli.refused(2, "is no recording", *replay, DEM, "--verify")
     cli.refused(2, ["--at", "up to 0:00:08.0; found '17'"], *replay, "a.ofr", "--at", "17")
     cli.refused(2, ["--at", "found 'noon'"], *replay, "a.ofr", "--at", "noon")
-    cli.refused(2, "the flight that is replayed", *replay, "a.ofr", "--record", "./a.ofr")
+    cli.refused(2, "./a.ofr is a file that is read", *replay, "a.ofr", "--record", "./a.ofr")
     cli.refused(1, ["nowhere: not a folder", "mkdir -p"], "fly", *RECORDED, "--record", "nowhere/b.ofr")
     os.mkdir(cli.path("folder.ofr"))
     cli.refused(1, "a folder", "fly", *RECORDED, "--record", "folder.ofr")
@@ -762,7 +814,7 @@ CASES = [help_is_instant_and_complete, help_comes_even_with_a_damaged_file, wron
          a_wrong_kind_of_errors_is_told_the_right_ones,
          options_may_come_before_the_subcommand, a_damaged_file_is_named_with_its_line, sources_win_in_order, missing_files_are_named,
          folders_for_pictures_are_looked_at_before_the_work, files_of_other_kinds_are_not_written_over,
-         options_that_change_nothing_are_told,
+         nothing_is_written_over_what_is_read, options_that_change_nothing_are_told,
          a_wrong_image_is_refused_in_one_message, image_bounds_without_an_image_are_wrong_usage,
          an_image_beside_the_terrain_is_warned_of, an_eye_under_the_ground_is_warned_of,
          missing_files_are_named_before_a_window_is_wanted, info_names_every_file, overlapping_files_are_warned_of,
@@ -777,7 +829,7 @@ CASES = [help_is_instant_and_complete, help_comes_even_with_a_damaged_file, wron
          an_old_opengl_is_named_beside_what_is_needed, signals_end_a_flight_cleanly,
          a_flight_starts_in_the_air_wherever_it_is_asked_to, a_flight_may_start_on_the_ground,
          an_aircraft_is_chosen_by_name_or_file, the_table_of_aircraft_is_the_documented_one, flights_are_converted,
-         conversions_that_cannot_be_are_refused, a_flight_without_a_date_is_given_one, a_pipe_is_not_waited_for,
+         a_conversion_has_its_points_as_far_apart_as_asked, conversions_that_cannot_be_are_refused, a_flight_without_a_date_is_given_one, a_pipe_is_not_waited_for,
          a_full_disk_is_an_error, a_recorded_flight_is_flown_again, another_flight_is_told_from_its_step_on,
          a_damaged_recording_says_what_is_lost, replays_that_cannot_be_are_refused, a_recording_without_its_land_says_so,
          films_have_their_frames_at_exact_times, a_recording_is_converted, a_flight_goes_on_when_the_disk_is_full]

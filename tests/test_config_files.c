@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include "config/files.h"
+#include "config/named_files.h"
 #include "tests/heard.h"
 
 #define SOMEBODY 65534 // no user of this number owns anything
@@ -104,11 +105,55 @@ static void the_true_cause_is_told(void **state) {
     remove_place(&place);
 }
 
+static void make_file(const char *folder, const char *name) {
+    char path[PATHS_BYTES_MAX];
+    snprintf(path, sizeof path, "%.200s/%s", folder, name);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fclose(file);
+}
+
+// Those of the kind alone, in order, and no more than there is room for.
+static void files_are_listed_by_name(void **state) {
+    (void)state;
+    static const NamedFileKind kind = {"aircraft", ".aircraft", "an aircraft"};
+    static const char *const others[] = {".hidden.aircraft", ".aircraft", "c.aircraft~", "d.demo"};
+    Place place = make_place();
+    NamedFiles *files = calloc(1, sizeof *files);
+    Heard heard;
+    char name[64];
+    assert_non_null(files);
+    assert_int_equal(files_make_folder(place.inner), RESULT_OK);
+    for (size_t i = 0; i < COUNT_OF(others); i++)
+        make_file(place.inner, others[i]);
+    make_file(place.inner, "b.c.aircraft");
+    make_file(place.inner, "a.aircraft");
+    assert_int_equal(named_files_list(&kind, place.inner, files), RESULT_OK);
+    assert_int_equal(files->count, 2);
+    assert_string_equal(files->names[0], "a");
+    assert_string_equal(files->names[1], "b.c");
+    for (int i = 0; i < NAMED_FILES_MAX; i++) {
+        snprintf(name, sizeof name, "%03d.aircraft", i);
+        make_file(place.inner, name);
+    }
+    heard_begin(&heard);
+    assert_int_equal(named_files_list(&kind, place.inner, files), RESULT_OK);
+    assert_int_equal(named_files_list(&kind, place.file, files), RESULT_IO);
+    heard_end();
+    assert_non_null(strstr(heard.text, "/inner: more than 256 files (.aircraft); the others are left out"));
+    assert_non_null(strstr(heard.text, "/file: the folder cannot be read: Not a directory"));
+    free(files);
+    snprintf(name, sizeof name, "rm -r %.40s", place.inner);
+    assert_int_equal(system(name), 0);
+    remove_place(&place);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_file_is_told_from_a_folder),
         cmocka_unit_test(a_file_to_be_made_is_asked_for_by_its_folder),
         cmocka_unit_test(the_true_cause_is_told),
+        cmocka_unit_test(files_are_listed_by_name),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

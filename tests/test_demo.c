@@ -2,6 +2,7 @@
 #include "app/demo/demo_list.h"
 #include "app/flight/flight_session.h"
 #include "config/options.h"
+#include "heard.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -45,38 +46,125 @@ static void end(Stand *stand) {
     free(stand);
 }
 
-static Result read_text(const char *text, Demo *out) {
+static void write_text(const char *text) {
     FILE *file = fopen(PATH, "w");
     assert_non_null(file);
     fputs(text, file);
     fclose(file);
+}
+
+static Result read_text(const char *text, Demo *out) {
+    write_text(text);
     Result result = demo_read_title(PATH, out->title);
     unlink(PATH);
     return result;
 }
 
+#define TO "to 36,-84,900m 100m/s\n"
+
 static void a_file_tells_its_title_and_where_it_is_wrong(void **state) {
     (void)state;
-    static const char *const BAD[] = {"to\n",
-                                      "to 36,-84,900m\n",
-                                      "to 36,-84,900m 5m/s\n",
-                                      "to 36,-84,900m 100m/s more\n",
-                                      "to 96,-84,900m 100m/s\n",
-                                      "from 36,-84,900m 100m/s\n",
-                                      "clearance 1m\n",
-                                      "title\n",
-                                      "view\n",
-                                      "stick\n",
-                                      "fly 36,-84,900m 100m/s\n"};
+    static const struct {
+        const char *text, *said; // on the second line
+    } BAD[] = {
+        {"to\n", "expected 'to LAT,LON,ALT SPEED'"},
+        {"to 36,-84,900m\n", "found '36,-84,900m'"},
+        {"to 36,-84,900m 5m/s\n", "15 to 1000 m/s"},
+        {"to 36,-84,900m 100m/s more\n", "found '36,-84,900m 100m/s more'"},
+        {"to 96,-84,900m 100m/s\n", "expected 'to LAT,LON,ALT SPEED'"},
+        {"to 36,-84,nan 100m/s\n", "expected 'to LAT,LON,ALT SPEED'"},
+        {"from 36,-84,900m 100m/s\n", "expected 'from LAT,LON,ALT HEADING SPEED'"},
+        {"from 36,-84,900m 1e9 100m/s\n", "-360 to 360 degrees"},
+        {"from 36,-84,900m 10 100m/s\nfrom 36,-84,900m 10 100m/s\n", "demo_test.demo:3: 'from' was given on line 2"},
+        {"clearance 1m\n", "10 to 10000 m"},
+        {"clearance\n", "expected 'clearance LENGTH'"},
+        {"title\n", "expected 'title TEXT'"},
+        {"aircraft\n", "expected 'aircraft NAME'"},
+        {"view\n", "expected 'view VIEW' (one of cockpit|"},
+        {"view moon\n", "found 'moon'"},
+        {"stick\n", "expected 'stick FILE'"},
+        {"stick no-such.reports\n", "there is no file 'no-such.reports' beside this one"},
+        {"stick demo_test.demo\n" TO, "demo_test.demo:3: 'to', and 'stick' on line 2"},
+        {"form 36,-84,900m 100m/s\n", "found 'form'; did you mean 'from'?"},
+    };
     Demo *demo = calloc(1, sizeof *demo);
     assert_non_null(demo);
-    assert_int_equal(read_text("# a comment\n title  Over the hills # and far away\nto 36,-84,900m 100m/s\n", demo),
-                     RESULT_OK);
+    assert_int_equal(read_text("# a comment\n title  Over the hills # and far away\n" TO, demo), RESULT_OK);
     assert_string_equal(demo->title, "Over the hills");
-    for (size_t i = 0; i < COUNT_OF(BAD); i++)
-        if (read_text(BAD[i], demo) != RESULT_FORMAT)
-            fail_msg("'%s' was taken", BAD[i]);
+    for (size_t i = 0; i < COUNT_OF(BAD); i++) {
+        char text[256];
+        Heard heard;
+        snprintf(text, sizeof text, "# first\n%s", BAD[i].text);
+        heard_begin(&heard);
+        Result result = read_text(text, demo);
+        heard_end();
+        if (result == RESULT_OK || heard.errors != 1 || !strstr(heard.text, BAD[i].said) ||
+            strncmp(heard.text, "demo_test.demo:", 15) != 0)
+            fail_msg("'%s': %s, said '%s', expected '%s'", BAD[i].text, result_name(result), heard.text, BAD[i].said);
+    }
     free(demo);
+}
+
+static void too_many_places_are_told_with_the_line(void **state) {
+    (void)state;
+    char text[300 * sizeof TO] = "";
+    Demo *demo = calloc(1, sizeof *demo);
+    Heard heard;
+    assert_non_null(demo);
+    for (int i = 0; i <= DEMO_WAYPOINTS_MAX; i++)
+        strcat(text, TO);
+    heard_begin(&heard);
+    assert_int_equal(read_text(text, demo), RESULT_FORMAT);
+    heard_end();
+    assert_string_equal(heard.text, "demo_test.demo:257: expected at most 256 lines 'to'\n");
+    free(demo);
+}
+
+static void a_demo_without_places_goes_nowhere(void **state) {
+    (void)state;
+    Geoid *geoid = NULL;
+    char path[PATHS_BYTES_MAX];
+    Demo *demo = calloc(1, sizeof *demo);
+    Heard heard;
+    assert_non_null(demo);
+    assert_int_equal(paths_find_data("geoid/egm96-15.pgm", path), RESULT_OK);
+    assert_int_equal(geoid_open(path, &geoid), RESULT_OK);
+    write_text("title Nowhere\n");
+    heard_begin(&heard);
+    assert_int_equal(demo_read(PATH, geoid, demo), RESULT_FORMAT);
+    heard_end();
+    unlink(PATH);
+    assert_non_null(strstr(heard.text, "demo_test.demo: the demo flight goes nowhere; expected lines 'to "));
+    geoid_close(&geoid);
+    free(demo);
+}
+
+// What stands in the file, but depends on what else there is.
+static void an_unknown_aircraft_is_told_with_file_and_line(void **state) {
+    (void)state;
+    Stand *stand = begin("round", false);
+    char *argv[] = {(char *)PATH};
+    Options *options = NULL;
+    FlightSession *session = calloc(1, sizeof *session);
+    Heard heard;
+    assert_non_null(session);
+    write_text("# first\naircraft t73\n" TO);
+    assert_int_equal(options_create(COMMAND_DEMO, &options), RESULT_OK);
+    assert_int_equal(options_read_arguments(options, 1, argv), RESULT_OK);
+    heard_begin(&heard);
+    Result unknown = session_create(&stand->world, options, session);
+    heard_end();
+    assert_int_equal(unknown, RESULT_NOT_FOUND);
+    assert_non_null(strstr(heard.text, "demo_test.demo:2: aircraft: expected the file of an aircraft"));
+    assert_non_null(strstr(heard.text, "found 't73'; did you mean 't37'?"));
+    assert_int_equal(options_set(options, OPTION_AIRCRAFT, "c172", SOURCE_COMMAND_LINE, "--aircraft"), RESULT_OK);
+    assert_int_equal(session_create(&stand->world, options, session), RESULT_OK); // it is not asked for
+    assert_string_equal(session->aircraft.id, "c172");
+    session_end(session);
+    free(session);
+    options_destroy(&options);
+    unlink(PATH);
+    end(stand);
 }
 
 static void three_demos_come_along_with_titles(void **state) {
@@ -214,6 +302,9 @@ static void the_autopilot_holds_until_somebody_steers(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_file_tells_its_title_and_where_it_is_wrong),
+        cmocka_unit_test(too_many_places_are_told_with_the_line),
+        cmocka_unit_test(a_demo_without_places_goes_nowhere),
+        cmocka_unit_test(an_unknown_aircraft_is_told_with_file_and_line),
         cmocka_unit_test(three_demos_come_along_with_titles),
         cmocka_unit_test(demos_are_flown_to_their_end),
         cmocka_unit_test(the_sticks_reports_turn_the_aircraft_over),

@@ -1,13 +1,10 @@
 // A joystick that is not there, from its bytes through the real hidapi to events: coming, saying, going, coming again.
 #define _GNU_SOURCE // setresuid, RUSAGE_THREAD
-#include "tests/device_support.h"
-#include "tests/device_timing.h"
+#include "tests/device_fixture.h"
 #include "tests/heard.h"
 
 #include <errno.h>
 #include <math.h>
-#include <pthread.h>
-#include <semaphore.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -17,35 +14,14 @@
 #include <cmocka.h>
 
 #define NOBODY 65534
-#define STEP_MS (1000.0 / 120.0) // of the flight
-
-typedef struct Fixture {
-    FakeBed *bed;
-    Devices *devices;
-    DeviceTiming timing;
-    sem_t turn;
-} Fixture;
 
 static int set_up(void **state) {
-    Fixture *fixture = calloc(1, sizeof *fixture);
+    DeviceFixture *fixture = device_fixture_create();
     *state = fixture;
-    fixture->bed = fake_bed_create();
     return devices_create(&fixture->devices) == RESULT_OK && devices_wait(fixture->devices, 3.0) ? 0 : -1;
 }
 
-static int tear_down(void **state) {
-    Fixture *fixture = *state;
-    devices_destroy(&fixture->devices);
-    fake_bed_destroy(&fixture->bed);
-    free(fixture);
-    return 0;
-}
-
-static void sleep_ms(int ms) {
-    clock_sleep_until_ns(clock_now_ns() + (int64_t)ms * 1000000);
-}
-
-static FakeStick *plug(Fixture *fixture, int number, DeviceEvent *event) {
+static FakeStick *plug(DeviceFixture *fixture, int number, DeviceEvent *event) {
     FakeStick *stick = fake_stick_plug(fixture->bed, &FAKE_JOYSTICK, number);
     assert_true(fake_wait(fixture->devices, DEVICE_ARRIVED, event));
     return stick;
@@ -58,7 +34,7 @@ static void send(FakeStick *stick, double x, double y, int hat, uint8_t buttons)
 }
 
 static void test_a_stick_arrives_with_its_name_and_parts(void **state) {
-    Fixture *fixture = *state;
+    DeviceFixture *fixture = *state;
     DeviceEvent event;
     plug(fixture, 0, &event);
     const PadInfo *info = &event.info;
@@ -73,7 +49,7 @@ static void test_a_stick_arrives_with_its_name_and_parts(void **state) {
 }
 
 static void test_its_axes_hat_and_buttons_are_told(void **state) {
-    Fixture *fixture = *state;
+    DeviceFixture *fixture = *state;
     DeviceEvent event;
     FakeStick *stick = plug(fixture, 0, &event);
     send(stick, -1.0, 0.5, 3, 0x85);
@@ -91,14 +67,14 @@ static void test_its_axes_hat_and_buttons_are_told(void **state) {
 }
 
 static void test_a_report_of_another_length_is_passed_over_and_said_once(void **state) {
-    Fixture *fixture = *state;
+    DeviceFixture *fixture = *state;
     DeviceEvent event;
     Heard heard;
     FakeStick *stick = plug(fixture, 0, &event);
     heard_begin(&heard);
     for (int count = 1; count < FAKE_STICK_BYTES; count += 3) {
         fake_stick_send(stick, (const uint8_t[FAKE_STICK_BYTES]){0xff, 0xff, 0xff, 0xff, 0xff}, (size_t)count);
-        sleep_ms(30);
+        device_fixture_sleep_ms(30);
     }
     int events = devices_poll(fixture->devices, &event, 1);
     send(stick, 0.25, 0.0, 0, 1);
@@ -112,7 +88,7 @@ static void test_a_report_of_another_length_is_passed_over_and_said_once(void **
 }
 
 static void test_it_leaves_and_comes_back(void **state) {
-    Fixture *fixture = *state;
+    DeviceFixture *fixture = *state;
     DeviceEvent event;
     for (int round = 0; round < 3; round++) {
         FakeStick *stick = plug(fixture, round, &event);
@@ -129,7 +105,7 @@ static void test_it_leaves_and_comes_back(void **state) {
 }
 
 static void test_two_sticks_have_slots_of_their_own(void **state) {
-    Fixture *fixture = *state;
+    DeviceFixture *fixture = *state;
     DeviceEvent event;
     FakeStick *first = plug(fixture, 0, &event), *second = plug(fixture, 1, &event);
     assert_int_equal(event.slot, 1);
@@ -141,7 +117,7 @@ static void test_two_sticks_have_slots_of_their_own(void **state) {
 }
 
 static void test_what_is_there_at_the_start_is_found_and_a_mouse_is_left_alone(void **state) {
-    Fixture *fixture = *state;
+    DeviceFixture *fixture = *state;
     Devices *devices;
     DeviceEvent events[8];
     fake_stick_plug(fixture->bed, &FAKE_MOUSE, 0);
@@ -157,7 +133,7 @@ static void test_what_is_there_at_the_start_is_found_and_a_mouse_is_left_alone(v
 }
 
 static void test_a_node_that_may_not_be_read_is_said_once_and_read_when_it_may(void **state) {
-    Fixture *fixture = *state;
+    DeviceFixture *fixture = *state;
     DeviceEvent event;
     Heard heard;
     if (getuid() != 0) {
@@ -169,7 +145,7 @@ static void test_a_node_that_may_not_be_read_is_said_once_and_read_when_it_may(v
     fake_stick_plug(fixture->bed, &FAKE_JOYSTICK, 0);
     assert_int_equal(setresuid(NOBODY, NOBODY, 0), 0);
     bool denied = fake_wait(fixture->devices, DEVICE_DENIED, &event);
-    sleep_ms(1200); // it is looked at again meanwhile, and says no more
+    device_fixture_sleep_ms(1200); // it is looked at again meanwhile, and says no more
     DeviceEvent more;
     int count = devices_poll(fixture->devices, &more, 1);
     assert_int_equal(setresuid(0, 0, 0), 0);
@@ -182,57 +158,32 @@ static void test_a_node_that_may_not_be_read_is_said_once_and_read_when_it_may(v
     assert_true(arrived && more.slot == event.slot);
 }
 
-// Waiting for the report is a part of it: a flight polls once a step.
-static void test_a_report_is_an_event_within_a_step(void **state) {
-    Fixture *fixture = *state;
-    DeviceEvent event;
-    FakeStick *stick = plug(fixture, 0, &event);
-    for (int i = 0; i < 200; i++) {
-        int64_t begin_ns = clock_now_ns();
-        send(stick, i / 200.0, 0.0, 0, 0);
-        assert_true(fake_wait(fixture->devices, DEVICE_REPORT, &event));
-        int64_t end_ns = clock_now_ns();
-        assert_true(event.time_ns >= begin_ns && event.time_ns <= end_ns);
-        assert_true(fabs(event.state.axes[0] - i / 200.0) < 2e-5);
-        device_timing_add(&fixture->timing, begin_ns, end_ns);
-    }
-    double median_ms = device_timing_print(&fixture->timing, "from the report's write to its event");
-    assert_true(median_ms < STEP_MS);
+static void send_x(void *stick, double x) {
+    send(stick, x, 0.0, 0, 0);
 }
 
-#define ROUNDS 5
+static void test_a_report_is_an_event_within_a_step(void **state) {
+    DeviceEvent event;
+    FakeStick *stick = plug(*state, 0, &event);
+    device_fixture_time_reports(*state, send_x, stick, 2e-5, "from the report's write to its event");
+}
 
-// By another hand, while the test polls.
-static void *plug_and_pull(void *argument) {
-    Fixture *fixture = argument;
-    for (int round = 0; round < ROUNDS; round++) {
-        sem_wait(&fixture->turn);
-        FakeStick *stick = fake_stick_plug(fixture->bed, &FAKE_JOYSTICK, round);
-        sem_wait(&fixture->turn);
-        send(stick, 0.0, 0.0, 0, 0);
-        fake_stick_unplug(stick);
-    }
-    return NULL;
+static void *plug_one(DeviceFixture *fixture, int round) {
+    return fake_stick_plug(fixture->bed, &FAKE_JOYSTICK, round);
+}
+
+static void pull_one(DeviceFixture *fixture, void *stick) {
+    (void)fixture;
+    send(stick, 0.0, 0.0, 0, 0);
+    fake_stick_unplug(stick);
 }
 
 static void test_a_poll_does_not_wait_while_devices_come_and_go(void **state) {
-    Fixture *fixture = *state;
-    pthread_t hand;
-    assert_int_equal(sem_init(&fixture->turn, 0, 0), 0);
-    assert_int_equal(pthread_create(&hand, NULL, plug_and_pull, fixture), 0);
-    for (int change = 0; change < 2 * ROUNDS; change++) {
-        sem_post(&fixture->turn);
-        assert_true(device_timing_poll_until(&fixture->timing, fixture->devices,
-                                             change % 2 == 0 ? DEVICE_ARRIVED : DEVICE_LEFT));
-    }
-    pthread_join(hand, NULL);
-    sem_destroy(&fixture->turn);
-    double median_ms = device_timing_print(&fixture->timing, "a poll while sticks come and go");
-    assert_true(median_ms < 1.0 && fixture->timing.busy_ms < 1.0);
+    device_fixture_time_changes(*state, plug_one, pull_one, 5, "a poll while sticks come and go");
 }
 
 static void test_it_ends_quickly_with_a_stick_that_says_nothing(void **state) {
-    Fixture *fixture = *state;
+    DeviceFixture *fixture = *state;
     DeviceEvent event;
     plug(fixture, 0, &event);
     int64_t begin_ns = clock_now_ns();
@@ -242,7 +193,7 @@ static void test_it_ends_quickly_with_a_stick_that_says_nothing(void **state) {
     assert_true(ms < 1000.0);
 }
 
-#define DEVICE_TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+#define DEVICE_TEST(name) cmocka_unit_test_setup_teardown(name, set_up, device_fixture_tear_down)
 
 int main(void) {
     const struct CMUnitTest tests[] = {
@@ -257,9 +208,5 @@ int main(void) {
         DEVICE_TEST(test_a_poll_does_not_wait_while_devices_come_and_go),
         DEVICE_TEST(test_it_ends_quickly_with_a_stick_that_says_nothing),
     };
-    if (!fake_bed_works()) {
-        print_message("skipped: umockdev's preload library is not there\n");
-        return 77;
-    }
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return fake_bed_works() ? cmocka_run_group_tests(tests, NULL, NULL) : 77;
 }

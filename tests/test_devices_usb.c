@@ -1,15 +1,12 @@
 // A wired Xbox 360 pad that is not there, from its bytes through the real libusb to events, and back to its motors.
 #define _GNU_SOURCE // RUSAGE_THREAD
-#include "tests/device_support.h"
+#include "tests/device_fixture.h"
 
 #include "input/devices/xbox_report.h"
-#include "tests/device_timing.h"
 #include "tests/heard.h"
 
 #include <errno.h>
 #include <math.h>
-#include <pthread.h>
-#include <semaphore.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -17,36 +14,14 @@
 
 #include <cmocka.h>
 
-#define STEP_MS (1000.0 / 120.0) // of the flight
-
-typedef struct Fixture {
-    FakeBed *bed;
-    Devices *devices;
-    DeviceTiming timing;
-    sem_t turn;
-} Fixture;
-
 static int set_up(void **state) {
-    Fixture *fixture = calloc(1, sizeof *fixture);
+    DeviceFixture *fixture = device_fixture_create();
     *state = fixture;
-    fixture->bed = fake_bed_create();
     fake_stick_plug(fixture->bed, &FAKE_MOUSE, 20); // so that there is a bus, and nothing to read on it
     return devices_create(&fixture->devices) == RESULT_OK ? 0 : -1;
 }
 
-static int tear_down(void **state) {
-    Fixture *fixture = *state;
-    devices_destroy(&fixture->devices);
-    fake_bed_destroy(&fixture->bed);
-    free(fixture);
-    return 0;
-}
-
-static void sleep_ms(int ms) {
-    clock_sleep_until_ns(clock_now_ns() + (int64_t)ms * 1000000);
-}
-
-static FakePad *plug(Fixture *fixture, int address, DeviceEvent *event) {
+static FakePad *plug(DeviceFixture *fixture, int address, DeviceEvent *event) {
     FakePad *pad = fake_pad_plug(fixture->bed, address, FAKE_FREE);
     assert_true(fake_wait(fixture->devices, DEVICE_ARRIVED, event));
     return pad;
@@ -59,7 +34,7 @@ static void send(FakePad *pad, FakePadHands hands) {
 }
 
 static void test_a_pad_arrives_with_its_name_and_parts(void **state) {
-    Fixture *fixture = *state;
+    DeviceFixture *fixture = *state;
     DeviceEvent event;
     plug(fixture, 3, &event);
     const PadInfo *info = &event.info;
@@ -72,7 +47,7 @@ static void test_a_pad_arrives_with_its_name_and_parts(void **state) {
 }
 
 static void test_its_sticks_triggers_cross_and_buttons_are_told(void **state) {
-    Fixture *fixture = *state;
+    DeviceFixture *fixture = *state;
     DeviceEvent event;
     FakePad *pad = plug(fixture, 3, &event);
     send(pad, (FakePadHands){-0.5, 1.0, 0.25, -1.0, 0.0, 1.0, 0x1001});
@@ -87,20 +62,20 @@ static void test_its_sticks_triggers_cross_and_buttons_are_told(void **state) {
 }
 
 static void test_other_messages_are_passed_over_and_damaged_ones_said_once(void **state) {
-    Fixture *fixture = *state;
+    DeviceFixture *fixture = *state;
     DeviceEvent event;
     Heard others, heard;
     FakePad *pad = plug(fixture, 3, &event);
     heard_begin(&others);
     fake_pad_send(pad, (const uint8_t[]){1, 3, 6}, 3);
     fake_pad_send(pad, (const uint8_t[]){8, 3, 0}, 3);
-    sleep_ms(50);
+    device_fixture_sleep_ms(50);
     heard_end();
     heard_begin(&heard);
     fake_pad_send(pad, (const uint8_t[20]){0, 20, 0xff, 0xff}, 19);
     fake_pad_send(pad, (const uint8_t[32]){0, 20, 0xff, 0xff}, 32);
     fake_pad_send(pad, (const uint8_t[1]){0}, 0);
-    sleep_ms(50);
+    device_fixture_sleep_ms(50);
     int events = devices_poll(fixture->devices, &event, 1);
     send(pad, (FakePadHands){.left_x = 0.5});
     bool arrived = fake_wait(fixture->devices, DEVICE_REPORT, &event);
@@ -112,7 +87,7 @@ static void test_other_messages_are_passed_over_and_damaged_ones_said_once(void 
 }
 
 static void test_it_leaves_and_comes_back(void **state) {
-    Fixture *fixture = *state;
+    DeviceFixture *fixture = *state;
     DeviceEvent event;
     for (int round = 0; round < 3; round++) {
         FakePad *pad = plug(fixture, 3 + round, &event);
@@ -129,7 +104,7 @@ static void test_it_leaves_and_comes_back(void **state) {
 }
 
 static void test_what_is_there_at_the_start_is_found(void **state) {
-    Fixture *fixture = *state;
+    DeviceFixture *fixture = *state;
     Devices *devices;
     DeviceEvent event, first;
     devices_destroy(&fixture->devices);
@@ -149,7 +124,7 @@ static void print_rumbles(const uint8_t rumbles[][8], int count) {
 }
 
 static void test_motors_start_change_and_stop_by_themselves(void **state) {
-    Fixture *fixture = *state;
+    DeviceFixture *fixture = *state;
     DeviceEvent event;
     uint8_t rumbles[FAKE_RUMBLES_MAX][8];
     FakePad *pad = plug(fixture, 3, &event);
@@ -157,13 +132,13 @@ static void test_motors_start_change_and_stop_by_themselves(void **state) {
     devices_rumble(fixture->devices, -1, 1.0, 1.0, 1.0);
     devices_rumble(fixture->devices, 0, 1.0, 1.0, (double)NAN);
     devices_rumble(fixture->devices, event.slot, 1.0, 0.2, 5.0);
-    sleep_ms(50);
+    device_fixture_sleep_ms(50);
     devices_rumble(fixture->devices, event.slot, 1.0, 0.2, 5.0); // the same again is no message
-    sleep_ms(50);
+    device_fixture_sleep_ms(50);
     devices_rumble(fixture->devices, event.slot, 0.0, 0.5, 0.1);
-    sleep_ms(50);
+    device_fixture_sleep_ms(50);
     int early = fake_pad_rumbles(pad, rumbles);
-    sleep_ms(200);
+    device_fixture_sleep_ms(200);
     int count = fake_pad_rumbles(pad, rumbles);
     print_rumbles(rumbles, count);
     assert_int_equal(early, 2);
@@ -174,12 +149,12 @@ static void test_motors_start_change_and_stop_by_themselves(void **state) {
 }
 
 static void test_motors_stop_when_the_program_ends(void **state) {
-    Fixture *fixture = *state;
+    DeviceFixture *fixture = *state;
     DeviceEvent event;
     uint8_t rumbles[FAKE_RUMBLES_MAX][8];
     FakePad *pad = plug(fixture, 3, &event);
     devices_rumble(fixture->devices, event.slot, 0.6, 0.6, 10.0);
-    sleep_ms(50);
+    device_fixture_sleep_ms(50);
     int64_t begin_ns = clock_now_ns();
     devices_destroy(&fixture->devices);
     double ms = (double)(clock_now_ns() - begin_ns) * 1e-6;
@@ -191,7 +166,7 @@ static void test_motors_stop_when_the_program_ends(void **state) {
 }
 
 static void test_the_kernel_lends_a_pad_and_gets_it_back(void **state) {
-    Fixture *fixture = *state;
+    DeviceFixture *fixture = *state;
     DeviceEvent event;
     FakePad *pad = fake_pad_plug(fixture->bed, 3, FAKE_KERNEL);
     assert_true(fake_wait(fixture->devices, DEVICE_ARRIVED, &event));
@@ -203,13 +178,13 @@ static void test_the_kernel_lends_a_pad_and_gets_it_back(void **state) {
 }
 
 static void test_a_pad_that_another_program_holds_is_said_once_and_read_when_it_lets_go(void **state) {
-    Fixture *fixture = *state;
+    DeviceFixture *fixture = *state;
     DeviceEvent event, more;
     Heard heard;
     heard_begin(&heard);
     FakePad *pad = fake_pad_plug(fixture->bed, 3, FAKE_HELD);
     bool denied = fake_wait(fixture->devices, DEVICE_DENIED, &event);
-    sleep_ms(1200);
+    device_fixture_sleep_ms(1200);
     int count = devices_poll(fixture->devices, &more, 1);
     fake_pad_let_go(pad);
     bool arrived = fake_wait(fixture->devices, DEVICE_ARRIVED, &more);
@@ -220,68 +195,43 @@ static void test_a_pad_that_another_program_holds_is_said_once_and_read_when_it_
     assert_true(arrived && more.slot == event.slot);
 }
 
-static void test_a_report_is_an_event_within_a_step(void **state) {
-    Fixture *fixture = *state;
-    DeviceEvent event;
-    FakePad *pad = plug(fixture, 3, &event);
-    for (int i = 0; i < 200; i++) {
-        int64_t begin_ns = clock_now_ns();
-        send(pad, (FakePadHands){.left_x = i / 200.0});
-        assert_true(fake_wait(fixture->devices, DEVICE_REPORT, &event));
-        int64_t end_ns = clock_now_ns();
-        assert_true(event.time_ns >= begin_ns && event.time_ns <= end_ns);
-        assert_true(fabs(event.state.axes[0] - i / 200.0) < 1e-4);
-        device_timing_add(&fixture->timing, begin_ns, end_ns);
-    }
-    double median_ms = device_timing_print(&fixture->timing, "from the report's send to its event");
-    assert_true(median_ms < STEP_MS);
+static void send_x(void *pad, double x) {
+    send(pad, (FakePadHands){.left_x = x});
 }
 
-#define ROUNDS 6
+static void test_a_report_is_an_event_within_a_step(void **state) {
+    DeviceEvent event;
+    FakePad *pad = plug(*state, 3, &event);
+    device_fixture_time_reports(*state, send_x, pad, 1e-4, "from the report's send to its event");
+}
 
-// By another hand, while the test polls.
-static void *plug_and_pull(void *argument) {
-    Fixture *fixture = argument;
-    for (int round = 0; round < ROUNDS; round++) {
-        sem_wait(&fixture->turn);
-        FakePad *pad = fake_pad_plug(fixture->bed, 3 + round, FAKE_FREE);
-        sem_wait(&fixture->turn);
-        devices_rumble(fixture->devices, 0, 1.0, 1.0, 5.0);
-        send(pad, (FakePadHands){.left_x = 0.5});
-        fake_pad_unplug(pad);
-    }
-    return NULL;
+static void *plug_one(DeviceFixture *fixture, int round) {
+    return fake_pad_plug(fixture->bed, 3 + round, FAKE_FREE);
+}
+
+static void pull_one(DeviceFixture *fixture, void *pad) {
+    devices_rumble(fixture->devices, 0, 1.0, 1.0, 5.0);
+    send(pad, (FakePadHands){.left_x = 0.5});
+    fake_pad_unplug(pad);
 }
 
 static void test_a_poll_does_not_wait_while_devices_come_and_go(void **state) {
-    Fixture *fixture = *state;
-    pthread_t hand;
-    assert_int_equal(sem_init(&fixture->turn, 0, 0), 0);
-    assert_int_equal(pthread_create(&hand, NULL, plug_and_pull, fixture), 0);
-    for (int change = 0; change < 2 * ROUNDS; change++) {
-        sem_post(&fixture->turn);
-        assert_true(device_timing_poll_until(&fixture->timing, fixture->devices,
-                                             change % 2 == 0 ? DEVICE_ARRIVED : DEVICE_LEFT));
-    }
-    pthread_join(hand, NULL);
-    sem_destroy(&fixture->turn);
-    double median_ms = device_timing_print(&fixture->timing, "a poll while pads come and go");
-    assert_true(median_ms < 1.0 && fixture->timing.busy_ms < 1.0);
+    device_fixture_time_changes(*state, plug_one, pull_one, 6, "a poll while pads come and go");
 }
 
 static void test_nobody_polls_and_the_newest_reports_are_kept(void **state) {
-    Fixture *fixture = *state;
+    DeviceFixture *fixture = *state;
     DeviceEvent event;
     static DeviceEvent events[300];
     FakePad *pad = plug(fixture, 3, &event);
     for (int i = 0; i < 300; i++) {
         send(pad, (FakePadHands){.left_x = i / 300.0});
         if (i % 100 == 99)
-            sleep_ms(20);
+            device_fixture_sleep_ms(20);
     }
     int64_t until_ns = clock_now_ns() + 3 * INT64_C(1000000000);
     while (devices_lost(fixture->devices) < 300 - 256 && clock_now_ns() < until_ns)
-        sleep_ms(5);
+        device_fixture_sleep_ms(5);
     int count = devices_poll(fixture->devices, events, 300);
     print_message("%d events of 300 reports, %lld lost, last x %g\n", count, (long long)devices_lost(fixture->devices),
                   events[count - 1].state.axes[0]);
@@ -290,7 +240,7 @@ static void test_nobody_polls_and_the_newest_reports_are_kept(void **state) {
     assert_true(fabs(events[255].state.axes[0] - 299 / 300.0) < 1e-4);
 }
 
-#define DEVICE_TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+#define DEVICE_TEST(name) cmocka_unit_test_setup_teardown(name, set_up, device_fixture_tear_down)
 
 int main(void) {
     const struct CMUnitTest tests[] = {
@@ -307,9 +257,5 @@ int main(void) {
         DEVICE_TEST(test_a_poll_does_not_wait_while_devices_come_and_go),
         DEVICE_TEST(test_nobody_polls_and_the_newest_reports_are_kept),
     };
-    if (!fake_bed_works()) {
-        print_message("skipped: umockdev's preload library is not there\n");
-        return 77;
-    }
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return fake_bed_works() ? cmocka_run_group_tests(tests, NULL, NULL) : 77;
 }

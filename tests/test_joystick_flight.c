@@ -603,9 +603,7 @@ int main(void) {
         COCKPIT_TEST(test_a_pads_report_acts_in_the_first_step_that_begins_after_it),
         COCKPIT_TEST(test_no_frame_waits_for_a_plug),
     };
-    if (!fake_bed_works()) {
-        print_message("skipped: umockdev's preload library is not there\n");
+    if (!fake_bed_works())
         return 77;
-    }
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,5 +1,5 @@
 // Recorded flights of the eye: those that any terrain has, and those from CSV files.
-#include "app/track/track.h"
+#include "app/track/track_format.h"
 #include "heard.h"
 #include "terrain/geodesy.h"
 
@@ -22,6 +22,11 @@ static World default_world(void) {
     assert_int_equal(world_load(options, &world), RESULT_OK);
     options_destroy(&options);
     return world;
+}
+
+static Result load(const char *path, Track *out) {
+    TrackReading how = track_reading_default();
+    return track_load(path, &how, out);
 }
 
 static Track flown(const World *world, TrackKind kind) {
@@ -158,7 +163,7 @@ static void test_a_written_flight_reads_back_the_same(void **state) {
     assert_non_null(file);
     assert_true(track_write(&track, file));
     fclose(file);
-    assert_int_equal(track_read(path, &back), RESULT_OK);
+    assert_int_equal(load(path, &back), RESULT_OK);
     assert_true(track_hash(&back) == track_hash(&track));
     assert_int_equal(strncmp(back.name, "test_track_", 11), 0);
     unlink(path);
@@ -174,12 +179,13 @@ static void test_columns_may_stand_in_any_order_and_directions_may_be_left_out(v
     char path[64];
     Track track;
     file_of(text + 3, sizeof text - 4, path);
-    assert_int_equal(track_read(path, &track), RESULT_OK);
+    assert_int_equal(load(path, &track), RESULT_OK);
     unlink(path);
     assert_int_equal(track.count, 2);
     assert_float_equal(track.points[1].at.lat_deg, 46.01, 0.0);
     assert_float_equal(track.points[0].at.heading_deg, 0.0, 1e-6); // northwards
-    assert_true(track.points[0].at.pitch_deg < 0.0);               // along the curve of the Earth
+    assert_float_equal(track.points[0].at.pitch_deg, 0.0, 1e-6);   // level flight
+    assert_true(track_is_derived(&track));
     track_clear(&track);
 }
 
@@ -198,7 +204,8 @@ static void test_what_is_wrong_with_a_file_is_told_with_its_line(void **state) {
         {"t_s,lat_deg,lon_deg,alt_m\n0,nan,8,1\n", ":2: lat_deg: found 'nan'"},
         {"t_s,lat_deg,lon_deg,alt_m\n0,46,8,1\n# back\n0,46,8,1\n", ":4: t_s: found 0 after 0"},
         {"t_s,lat_deg,lon_deg,alt_m\n0,46,8,1\n5,46,8,1\n4,46,8,1\n", ":4: t_s: found 4 after 5"},
-        {"t_s,lat_deg,lon_deg,alt_m\n0,46,8,1\n1,46,8", ":3: alt_m: found ''"}, // cut off
+        {"t_s,lat_deg,lon_deg,alt_m\n0,46,8", ":2: alt_m: found ''"},               // cut off, and nothing before it
+        {"t_s,lat_deg,lon_deg,alt_m\n0,46,8,1\n1,x,8,1", ":3: lat_deg: found 'x'"}, // wrong, not cut off
     };
     for (size_t i = 0; i < COUNT_OF(CASES); i++) {
         char path[64];
@@ -206,7 +213,7 @@ static void test_what_is_wrong_with_a_file_is_told_with_its_line(void **state) {
         Heard heard;
         heard_begin(&heard);
         file_of(CASES[i].text, strlen(CASES[i].text), path);
-        Result result = track_read(path, &track);
+        Result result = load(path, &track);
         heard_end();
         unlink(path);
         if (result != RESULT_FORMAT || !strstr(heard.text, CASES[i].said))
@@ -225,7 +232,7 @@ static void test_a_line_without_end_is_refused(void **state) {
     Track track;
     Heard heard;
     heard_begin(&heard);
-    assert_int_equal(track_read(path, &track), RESULT_FORMAT);
+    assert_int_equal(load(path, &track), RESULT_FORMAT);
     heard_end();
     assert_non_null(strstr(heard.text, "4095 bytes"));
     unlink(path);
@@ -237,9 +244,42 @@ static void test_a_file_that_is_not_there_is_named(void **state) {
     Track track;
     Heard heard;
     heard_begin(&heard);
-    assert_int_equal(track_read("no-such-flight.csv", &track), RESULT_NOT_FOUND);
+    assert_int_equal(load("no-such-flight.csv", &track), RESULT_NOT_FOUND);
     heard_end();
     assert_non_null(strstr(heard.text, "no-such-flight.csv"));
+}
+
+// A stretch of 10 s and one of 4 s, with a gap of 20 s between them.
+static Track two_stretches(void) {
+    static const double TIMES[] = {0, 3, 7, 10, 30, 34};
+    Track track = {.name = "two", .count = COUNT_OF(TIMES), .start_unix_s = NAN};
+    track.points = calloc(COUNT_OF(TIMES), sizeof *track.points);
+    assert_non_null(track.points);
+    for (int i = 0; i < track.count; i++)
+        track.points[i] = (TrackPoint){.t_s = TIMES[i], .at = {46.0 + 1e-3 * TIMES[i], 8.0, 1000.0, 0.0, 0.0}};
+    track.points[4].flags = TRACK_GAP;
+    return track;
+}
+
+static void test_points_are_made_at_even_times_within_each_stretch(void **state) {
+    (void)state;
+    static const double WANTED[] = {0, 4, 8, 10, 30, 34};
+    Track track = two_stretches(), before = two_stretches();
+    assert_int_equal(track_resample(&track, 4.0), RESULT_OK);
+    assert_int_equal(track.count, COUNT_OF(WANTED));
+    for (int i = 0; i < track.count; i++) {
+        assert_float_equal(track.points[i].t_s, WANTED[i], 1e-12);
+        assert_float_equal(track.points[i].at.lat_deg, track_at(&before, WANTED[i]).lat_deg, 1e-9);
+        assert_int_equal(track.points[i].flags, i == 4 ? TRACK_GAP : 0);
+    }
+    Heard heard;
+    heard_begin(&heard);
+    assert_int_equal(track_resample(&track, 1e-6), RESULT_RANGE);
+    heard_end();
+    assert_non_null(strstr(heard.text, "are the most; take --interval 0.001 or longer"));
+    assert_int_equal(track.count, COUNT_OF(WANTED));
+    track_clear(&track);
+    track_clear(&before);
 }
 
 int main(void) {
@@ -253,6 +293,7 @@ int main(void) {
         cmocka_unit_test(test_columns_may_stand_in_any_order_and_directions_may_be_left_out),
         cmocka_unit_test(test_what_is_wrong_with_a_file_is_told_with_its_line),
         cmocka_unit_test(test_a_line_without_end_is_refused),
+        cmocka_unit_test(test_points_are_made_at_even_times_within_each_stretch),
         cmocka_unit_test(test_a_file_that_is_not_there_is_named),
     };
     return cmocka_run_group_tests_name("test_track", tests, NULL, NULL);

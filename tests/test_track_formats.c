@@ -339,6 +339,74 @@ static void test_what_is_wrong_is_told_with_file_and_line(void **state) {
     }
 }
 
+// ---- files that break off ----
+
+#define FIX(n) PT("46.5", "8", AT(n, "1"))
+#define COORD "<coord>8 46.5 1</coord>\n"
+#define DEEP "<a><a><a><a><a><a><a><a><a><a><a><a><a><a><a><a>"
+#define CUT(line) ":" line ": the file is cut off here; points before it, which are kept: 2"
+
+// Each is read up to where it breaks off, or is damaged; `broken` takes the place of the end.
+static const struct {
+    const char *ending, *text, *broken, *said;
+    size_t zeros; // behind it
+} BROKEN[] = {
+    {".gpx", "<gpx><trk><trkseg>\n" FIX("00") FIX("01"), "", CUT("4"), 0},
+    {".gpx", "<gpx><trk><trkseg>\n" FIX("00") FIX("01"), "<trkpt lat=\"46.5\" l", CUT("4"), 0},
+    {".gpx", "<gpx><trk><trkseg>\n" FIX("00") FIX("01"), "<trkpt lat=\"46.5\" lon=\"8\"><ele>1", CUT("4"), 0},
+    {".gpx", "<gpx><trk><trkseg>\n" FIX("00") FIX("01"), "<trkpt", CUT("4"), 5000},
+    {".gpx", "<gpx><trk><trkseg>\n" FIX("00") FIX("01"), "</trkseg></trk></gpx><gpx>",
+     ":4: junk after document element: nothing behind it can be read; points before it, which are kept: 2", 0},
+    {".gpx", "<gpx><trk><trkseg>\n" FIX("00") FIX("01"), "</trk></gpx>\n",
+     ":4: mismatched tag: nothing behind it can be read; points before it, which are kept: 2", 0},
+    {".kml", "<kml><Placemark><Track>\n" WHEN("00") WHEN("01") WHEN("02") COORD COORD, "<coord>8 4", CUT("4"), 0},
+    {".kml", "<kml><Placemark><Track>\n" WHEN("00") COORD WHEN("01") COORD, "<when>", CUT("4"), 0},
+    {".kml", "<kml><Placemark><Track>\n" WHEN("00") COORD "</Track><Track>" WHEN("01") COORD, "", CUT("4"), 0},
+    {".csv", "t_s,lat_deg,lon_deg,alt_m\n0,46.5,8,1\n1,46.5,8,1\n", "2,46.5,", CUT("4"), 0},
+    {".csv", "t_s,lat_deg,lon_deg,alt_m\n0,46.5,8,1\n1,46.5,8,1\n", "2", CUT("4"), 5000},
+    {".igc", IGC_HEAD IGC_FIXES, "B12000246300", ".igc:5: a point damaged, the first of 1 that are left out", 0},
+    {".acmi", ACMI "#0\n2,T=8|46.5|1\n#1\n2,T=8|46.5|1\n", "#2\n2,T=8|4",
+     ".acmi:9: a point damaged, the first of 1 that are left out", 0},
+};
+
+static void test_a_file_that_breaks_off_is_read_up_to_there(void **state) {
+    for (size_t i = 0; i < COUNT_OF(BROKEN); i++) {
+        char text[8192] = "";
+        size_t bytes = (size_t)snprintf(text, sizeof text, "%s%s", BROKEN[i].text, BROKEN[i].broken);
+        Read read = {0};
+        heard_begin(&read.heard);
+        read.result = track_of_text(text, bytes + BROKEN[i].zeros, BROKEN[i].ending,
+                                    &(TrackReading){.igc_alt = TRACK_IGC_UNTOLD, .geoid = *state}, &read.track);
+        heard_end();
+        if (read.result != RESULT_OK || !strstr(read.heard.text, BROKEN[i].said) || read.heard.warnings != 1)
+            fail_msg("%zu: %s, said '%s', expected '%s'", i, result_name(read.result), read.heard.text, BROKEN[i].said);
+        assert_int_equal(read.track.count, 2);
+        track_clear(&read.track);
+    }
+}
+
+// Where less of a file is whole than damaged, as of the other formats; and what is made to be wrong.
+static void test_what_breaks_off_early_or_is_hostile_is_refused(void **state) {
+    static const struct {
+        const char *ending, *text, *said;
+    } CASES[] = {
+        {".gpx", "<gpx><trk><trkseg>\n" FIX("00") "</trk>\n" FIX("01") FIX("02") "</trkseg></trk></gpx>",
+         ".gpx:3: mismatched tag: expected well-formed XML; more of the file stands behind it than before"},
+        {".kml", "<kml><Placemark><Track>\n" WHEN("00") WHEN("01"),
+         ".kml:2: no element found: the file is empty or cut off"},
+        {".gpx", "<gpx><name>a & b</name>",
+         ".gpx:1: not well-formed (invalid token): expected well-formed XML; no point"},
+        {".gpx", "<!DOCTYPE gpx [<!ENTITY a SYSTEM \"file:///etc/passwd\">]>\n<gpx><trk><trkseg>" FIX("00") "&a;",
+         ".gpx:1: a document type"},
+        {".gpx", "<gpx><trk><trkseg>" FIX("00") DEEP DEEP DEEP DEEP, ".gpx:2: elements nested more than 64 deep"},
+    };
+    for (size_t i = 0; i < COUNT_OF(CASES); i++) {
+        Read read = read_as(CASES[i].text, CASES[i].ending, (TrackReading){.geoid = *state});
+        if (read.result != RESULT_FORMAT || !strstr(read.heard.text, CASES[i].said) || read.heard.errors != 1)
+            fail_msg("%zu: %s, said '%s', expected '%s'", i, result_name(read.result), read.heard.text, CASES[i].said);
+    }
+}
+
 static void test_one_point_back_in_time_is_left_out_with_a_warning(void **state) {
     (void)state;
     Read read = read_as(GPX("<trk><trkseg>\n" PT("46.5", "8", AT("00", "1")) PT("46.5", "8", AT("02", "1"))
@@ -698,6 +766,8 @@ int main(void) {
         cmocka_unit_test(test_acmi_leaves_unchanged_what_is_empty),
         cmocka_unit_test(test_acmi_takes_the_first_aircraft_or_the_one_asked_for),
         cmocka_unit_test(test_what_is_wrong_is_told_with_file_and_line),
+        cmocka_unit_test(test_a_file_that_breaks_off_is_read_up_to_there),
+        cmocka_unit_test(test_what_breaks_off_early_or_is_hostile_is_refused),
         cmocka_unit_test(test_one_point_back_in_time_is_left_out_with_a_warning),
         cmocka_unit_test(test_a_file_is_what_it_holds_whatever_its_name),
         cmocka_unit_test(test_hostile_sizes_are_refused_in_bounded_memory),

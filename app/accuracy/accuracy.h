@@ -48,6 +48,7 @@ typedef struct AccuracyPlan {
     double tau_px[ACCURACY_TAUS_MAX]; // ascending
     int tau_count;
     const char *flights[ACCURACY_FLIGHTS_MAX]; // names of built-in ones, or files; in `flight_text`
+    Track read[ACCURACY_FLIGHTS_MAX];          // of files, but for recordings, which are flown over each DEM
     char flight_text[1024];
     int flight_count;
     int frames; // of each flight, a multiple of ACCURACY_BURST
@@ -188,6 +189,8 @@ typedef struct Accuracy {
 // From the options: DEMs, --methods, --tau, --errors, --track, --frames, --rounds, --quick. USAGE names what is wrong
 // and what there is.
 MUST_USE Result accuracy_plan(const Options *options, AccuracyPlan *out);
+// Also after a failure.
+void accuracy_plan_clear(AccuracyPlan *plan);
 // Runs the plan. What loading, refining, measuring or drawing fails with; logged. Without a GL context nothing is
 // drawn, and frames are refinement alone.
 MUST_USE Result accuracy_run(const AccuracyPlan *plan, Accuracy *out);

@@ -45,7 +45,7 @@ Result bench_accuracy(const Options *options) {
     const char *folder = options_text(options, OPTION_REPORT_FOLDER);
     Result result = plan && accuracy ? accuracy_plan(options, plan) : RESULT_MEMORY;
     if (result == RESULT_OK && folder)
-        result = accuracy_check_report(folder);
+        result = accuracy_check_report(options, folder);
     if (result == RESULT_OK && !folder && !options_flag(options, OPTION_JSON))
         log_info("bench: a table only: no report is written without -o DIR");
     if (result == RESULT_OK)
@@ -56,6 +56,8 @@ Result bench_accuracy(const Options *options) {
         result = judge(accuracy);
     if (accuracy)
         accuracy_clear(accuracy);
+    if (plan)
+        accuracy_plan_clear(plan);
     free(accuracy);
     free(plan);
     return result;

@@ -1,16 +1,20 @@
 #include "app/accuracy/accuracy_html.h"
 #include "app/accuracy/accuracy_plots.h"
+#include "app/outputs.h"
 #include "app/text_file.h"
 #include "assets/image.h"
 #include "config/files.h"
 
 #include <stdio.h>
 
-Result accuracy_check_report(const char *folder) {
+Result accuracy_check_report(const Options *options, const char *folder) {
+    static const char *const begins[] = {"frames.", "summary.", "flight-", "worst-frame", NULL};
     Result result = accuracy_check_plots();
     if (result == RESULT_OK)
         result = files_make_folder(folder);
-    return result == RESULT_OK ? files_check_folder(folder) : result;
+    if (result == RESULT_OK)
+        result = files_check_folder(folder);
+    return result == RESULT_OK ? outputs_check_folder(options, "--output", folder, begins) : result;
 }
 
 // ---- files that appear whole or not at all ----

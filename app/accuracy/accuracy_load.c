@@ -1,5 +1,6 @@
 #include "app/accuracy/accuracy_internal.h"
 #include "app/flight/camera.h"
+#include "app/flight/flight_session.h"
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/statistics.h"
@@ -10,7 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define ROUNDS_MAX 64 // of building a hierarchy
+#define ROUNDS_MAX 64            // of building a hierarchy
+#define RECORDING_INTERVAL_S 0.1 // between the points that a recording is flown again with
 
 static void describe(const AccuracyPlan *plan, int index, AccuracyDem *dem) {
     const World *world = &dem->worlds[0];
@@ -59,13 +61,25 @@ static Result time_building(const AccuracyPlan *plan, AccuracyDem *dem) {
     return result;
 }
 
+static Result fly_recording(const AccuracyDem *dem, const char *path, Track *out) {
+    const World *world = &dem->worlds[0];
+    PlaybackOptions options = {.how = track_reading_default(), .ground = session_ground(world), .dem_hash = dem->hash};
+    options.how.geoid = world->geoid;
+    return playback_load_track(path, &options, RECORDING_INTERVAL_S, out);
+}
+
+static Result make_flight(const AccuracyPlan *plan, int flight, const AccuracyDem *dem, Track *out) {
+    TrackKind kind;
+    if (track_kind_find(plan->flights[flight], &kind))
+        return track_builtin(&dem->worlds[0], kind, out);
+    return plan->read[flight].count > 0 ? track_copy(&plan->read[flight], out)
+                                        : fly_recording(dem, plan->flights[flight], out);
+}
+
 static Result plan_flights(const AccuracyPlan *plan, AccuracyDem *dem) {
     Result result = RESULT_OK;
-    for (int i = 0; i < plan->flight_count && result == RESULT_OK; i++) {
-        TrackKind kind;
-        result = track_kind_find(plan->flights[i], &kind) ? track_builtin(&dem->worlds[0], kind, &dem->tracks[i])
-                                                          : track_read(plan->flights[i], &dem->tracks[i]);
-    }
+    for (int i = 0; i < plan->flight_count && result == RESULT_OK; i++)
+        result = make_flight(plan, i, dem, &dem->tracks[i]);
     return result;
 }
 

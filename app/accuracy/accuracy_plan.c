@@ -1,5 +1,8 @@
 #define _DEFAULT_SOURCE // strsep
 #include "app/accuracy/accuracy.h"
+#include "app/replay/playback.h"
+#include "app/scene_load.h"
+#include "app/track/track_options.h"
 #include "base/log.h"
 #include "config/suggest.h"
 #include "terrain/geodesy.h"
@@ -93,10 +96,10 @@ static Result refuse_method(const char *name) {
         names[LOD_METHOD_COUNT + i] = centre[i].text;
         used += (size_t)snprintf(all + used, sizeof all - used, "%s%s", i ? ", " : "", names[i]);
     }
-    const char *nearest = suggest_nearest(name, names, 2 * LOD_METHOD_COUNT);
+    char question[SUGGEST_BYTES];
     log_error("--methods: expected some of %s, separated by commas, each with '" CENTRE
-              "' behind it where its bound is to be kept at every sample; found %s%s%s%s",
-              all, shown(name).text, nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+              "' behind it where its bound is to be kept at every sample; found %s%s",
+              all, shown(name).text, suggest_question(name, names, 2 * LOD_METHOD_COUNT, question));
     return RESULT_USAGE;
 }
 
@@ -215,23 +218,39 @@ static Result read_taus(AccuracyPlan *plan) {
 
 // ---- flights ----
 
-static Result check_flight(const char *name) {
-    TrackKind kind;
-    if (track_kind_find(name, &kind))
-        return RESULT_OK;
-    if (strpbrk(name, "./")) { // a file, which is read again when it is flown
-        Track track = {0};
-        Result result = track_read(name, &track);
-        track_clear(&track);
-        return result;
-    }
+static Result refuse_flight(const char *name) {
     const char *names[TRACK_KIND_COUNT];
+    char question[SUGGEST_BYTES];
     for (int i = 0; i < TRACK_KIND_COUNT; i++)
         names[i] = track_kind_name((TrackKind)i);
-    const char *nearest = suggest_nearest(name, names, TRACK_KIND_COUNT);
-    log_error("--track: expected some of " FLIGHTS ", or CSV files, separated by commas; found '%s'%s%s%s", name,
-              nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+    log_error("--track: expected some of " FLIGHTS
+              ", or files of flights, as 'overfly convert' reads them, separated by "
+              "commas; found '%s'%s",
+              name, suggest_question(name, names, TRACK_KIND_COUNT, question));
     return RESULT_USAGE;
+}
+
+static Result read_file(const Options *options, const char *path, Track *out) {
+    RecordingHeader header;
+    Geoid *geoid = NULL;
+    if (playback_is_recording(path))
+        return playback_read_header(path, &header);
+    Result result = scene_open_geoid(options, &geoid);
+    TrackReading how = track_reading_of(options, geoid);
+    if (result == RESULT_OK)
+        result = track_load(path, &how, out);
+    geoid_close(&geoid);
+    return result;
+}
+
+static Result read_flight(AccuracyPlan *plan, const char *name) {
+    TrackKind kind;
+    Result result = track_kind_find(name, &kind) ? RESULT_OK
+                    : strpbrk(name, "./")        ? read_file(plan->options, name, &plan->read[plan->flight_count])
+                                                 : refuse_flight(name);
+    if (result == RESULT_OK)
+        plan->flights[plan->flight_count++] = name;
+    return result;
 }
 
 static Result read_flights(AccuracyPlan *plan) {
@@ -247,10 +266,9 @@ static Result read_flights(AccuracyPlan *plan) {
             log_error("--track: expected at most %d flights", ACCURACY_FLIGHTS_MAX);
             return RESULT_USAGE;
         }
-        Result result = check_flight(name);
+        Result result = read_flight(plan, name);
         if (result != RESULT_OK)
             return result;
-        plan->flights[plan->flight_count++] = name;
     }
     return RESULT_OK;
 }
@@ -324,4 +342,9 @@ Result accuracy_plan(const Options *options, AccuracyPlan *out) {
     if (result == RESULT_OK)
         read_counts(out);
     return result;
+}
+
+void accuracy_plan_clear(AccuracyPlan *plan) {
+    for (int i = 0; i < ACCURACY_FLIGHTS_MAX; i++)
+        track_clear(&plan->read[i]);
 }

@@ -29,4 +29,4 @@ void accuracy_write_summary(const Accuracy *accuracy, FILE *to);
 // made. IO, MEMORY, NOT_FOUND: gnuplot or the report's own parts; logged.
 MUST_USE Result accuracy_write_report(const Accuracy *accuracy, const char *folder);
 // Before anything slow is done: whether that can be done.
-MUST_USE Result accuracy_check_report(const char *folder);
+MUST_USE Result accuracy_check_report(const Options *options, const char *folder);

@@ -5,6 +5,7 @@
 #include "base/base.h"
 #include "base/paths.h"
 #include "base/vec.h"
+#include "config/named_files.h"
 
 #define AIRCRAFT_LEGS_MAX 6
 #define AIRCRAFT_TEXT_BYTES 256
@@ -72,13 +73,9 @@ MUST_USE Result aircraft_derive(Aircraft *aircraft);
 // Reads an INI file: sections and keys as listed in docs/aircraft.md; every key must be there but those with a default.
 // NOT_FOUND, IO, FORMAT: file, line, what was expected; logged.
 MUST_USE Result aircraft_read(const char *path, Aircraft *out);
-// A file, or the name of an aircraft that came with the program ("c172"). NOT_FOUND names the nearest; logged.
+// The file that this is, or of the aircraft that came with the program under this name ("c172"). As named_files_find.
+MUST_USE Result aircraft_find(const char *where, const char *name_or_path, char path[PATHS_BYTES_MAX]);
+// aircraft_find and aircraft_read.
 MUST_USE Result aircraft_load(const char *name_or_path, Aircraft *out);
-
-#define AIRCRAFT_LIST_MAX 64
-typedef struct AircraftList {
-    char names[AIRCRAFT_LIST_MAX][64]; // in the order of the alphabet
-    int count;
-} AircraftList;
 // The aircraft that came with the program. NOT_FOUND, IO; logged.
-MUST_USE Result aircraft_list(AircraftList *out);
+MUST_USE Result aircraft_list(NamedFiles *out);

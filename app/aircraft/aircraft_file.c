@@ -1,16 +1,12 @@
-#define _POSIX_C_SOURCE 200809L
 #include "app/aircraft/aircraft.h"
 #include "app/aircraft/aircraft_table.h"
 #include "app/aircraft/airframe.h"
 #include "app/aircraft/isa.h"
 #include "base/log.h"
-#include "config/files.h"
 #include "config/ini_read.h"
 #include "config/quantity.h"
 #include "config/suggest.h"
 
-#include <dirent.h>
-#include <errno.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -317,64 +313,18 @@ Result aircraft_read(const char *path, Aircraft *out) {
 
 // ---- by name ----------------------------------------------------------------------------------------------------
 
-static int compare_names(const void *a, const void *b) {
-    return strcmp(a, b);
+static const NamedFileKind KIND = {"aircraft", AIRCRAFT_ENDING, "an aircraft"};
+
+Result aircraft_list(NamedFiles *out) {
+    return named_files_of_program(&KIND, out);
 }
 
-static void collect(DIR *folder, AircraftList *out) {
-    const size_t ending = strlen(AIRCRAFT_ENDING);
-    for (struct dirent *file; (file = readdir(folder)) && out->count < AIRCRAFT_LIST_MAX;) {
-        size_t length = strlen(file->d_name);
-        if (length <= ending || length - ending >= sizeof out->names[0] ||
-            strcmp(file->d_name + length - ending, AIRCRAFT_ENDING) != 0)
-            continue;
-        snprintf(out->names[out->count++], sizeof out->names[0], "%.*s", (int)(length - ending), file->d_name);
-    }
-    qsort(out->names, (size_t)out->count, sizeof out->names[0], compare_names);
-}
-
-Result aircraft_list(AircraftList *out) {
-    char path[PATHS_BYTES_MAX];
-    Result result = paths_find_data("aircraft", path);
-    if (result != RESULT_OK)
-        return result;
-    DIR *folder = opendir(path);
-    if (!folder) {
-        log_error("%s: the folder of aircraft cannot be read: %s", path, strerror(errno));
-        return RESULT_IO;
-    }
-    out->count = 0;
-    collect(folder, out);
-    closedir(folder);
-    return RESULT_OK;
-}
-
-static Result refuse_name(const char *name, const AircraftList *list) {
-    const char *names[AIRCRAFT_LIST_MAX];
-    char all[AIRCRAFT_LIST_MAX * 66] = "";
-    for (int i = 0; i < list->count; i++) {
-        names[i] = list->names[i];
-        size_t used = strlen(all);
-        snprintf(all + used, sizeof all - used, "%s%s", i ? ", " : "", names[i]);
-    }
-    const char *nearest = suggest_nearest(name, names, list->count);
-    log_error("'%s' is neither an aircraft file nor one of %s%s%s%s", name, all, nearest ? "; did you mean '" : "",
-              nearest ? nearest : "", nearest ? "'?" : "");
-    return RESULT_NOT_FOUND;
+Result aircraft_find(const char *where, const char *name_or_path, char path[PATHS_BYTES_MAX]) {
+    return named_files_find(&KIND, where, name_or_path, path);
 }
 
 Result aircraft_load(const char *name_or_path, Aircraft *out) {
-    AircraftList list;
-    if (files_exists(name_or_path) || strchr(name_or_path, '/') || strstr(name_or_path, AIRCRAFT_ENDING))
-        return aircraft_read(name_or_path, out);
-    Result result = aircraft_list(&list);
-    for (int i = 0; i < list.count && result == RESULT_OK; i++) {
-        char relative[128], path[PATHS_BYTES_MAX];
-        if (strcmp(list.names[i], name_or_path) != 0)
-            continue;
-        snprintf(relative, sizeof relative, "aircraft/%s%s", name_or_path, AIRCRAFT_ENDING);
-        result = paths_find_data(relative, path);
-        return result == RESULT_OK ? aircraft_read(path, out) : result;
-    }
-    return result == RESULT_OK ? refuse_name(name_or_path, &list) : result;
+    char path[PATHS_BYTES_MAX];
+    Result result = aircraft_find("aircraft", name_or_path, path);
+    return result == RESULT_OK ? aircraft_read(path, out) : result;
 }

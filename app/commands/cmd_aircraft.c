@@ -59,7 +59,7 @@ static Result load_named(const Options *options, Fleet *fleet) {
 }
 
 static Result load_all(Fleet *fleet) {
-    AircraftList list;
+    NamedFiles list;
     Result result = aircraft_list(&list);
     if (result == RESULT_OK)
         result = make_room(fleet, list.count);

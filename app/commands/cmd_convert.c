@@ -2,14 +2,13 @@
 #include "app/commands/command.h"
 #include "app/flight/flight_session.h"
 #include "app/json.h"
+#include "app/outputs.h"
 #include "app/replay/replay_scene.h"
 #include "app/scene_load.h"
-#include "app/track/track_format.h"
+#include "app/track/track_options.h"
 #include "app/track/track_time.h"
 #include "base/log.h"
-#include "config/files.h"
 
-#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -35,6 +34,10 @@ static const TrackFormat recording = {.name = "ofr",
                                       .wants_geoid = true,
                                       .has_attitude = true};
 
+static bool has_whole_seconds(const Convert *c) {
+    return strcmp(c->to->name, "igc") == 0;
+}
+
 static Result find_format_to(Convert *c) {
     size_t length = strlen(c->out), ending = strlen(RECORDING_ENDING);
     if (length < ending || strcasecmp(c->out + length - ending, RECORDING_ENDING) != 0)
@@ -45,6 +48,7 @@ static Result find_format_to(Convert *c) {
     return RESULT_USAGE;
 }
 
+// What the input is comes first: without it nothing else matters.
 static Result check_names(Convert *c) {
     if (options_positional_count(c->options) != 2) {
         log_error("convert: expected two files: the flight to read, and what to write it as");
@@ -52,15 +56,23 @@ static Result check_names(Convert *c) {
     }
     c->in = options_positionals(c->options)[0];
     c->out = options_positionals(c->options)[1];
-    Result result = find_format_to(c);
-    if (result != RESULT_OK)
-        return result;
-    if (files_are_same(c->in, c->out)) {
-        log_error("%s: is the file that is read; name another to write", c->out);
-        return RESULT_USAGE;
-    }
     c->from = &recording;
-    return playback_is_recording(c->in) ? RESULT_OK : track_format_of_file(c->in, &c->from);
+    Result result = playback_is_recording(c->in) ? RESULT_OK : track_format_of_file(c->in, &c->from);
+    if (result == RESULT_OK)
+        result = find_format_to(c);
+    return result == RESULT_OK ? outputs_check(c->options, "convert", c->out) : result;
+}
+
+static void warn_of_ignored(const Convert *c) {
+    const Options *options = c->options;
+    track_warn_of_unused(options, c->in, c->from == &recording ? NULL : c->from);
+    if (c->from != &recording && options_source(options, OPTION_AIRCRAFT) == SOURCE_COMMAND_LINE)
+        log_warn("--aircraft changes nothing: %s is %s; only a recording (" RECORDING_ENDING ") is flown again", c->in,
+                 c->from->what);
+    if (has_whole_seconds(c) && options_is_set(options, OPTION_INTERVAL) &&
+        floor(options_number(options, OPTION_INTERVAL)) != options_number(options, OPTION_INTERVAL))
+        log_warn("--interval %g: an IGC file has whole seconds, and at most one point in each",
+                 options_number(options, OPTION_INTERVAL));
 }
 
 // ---- reading ----
@@ -77,49 +89,39 @@ static Result read_start(const Options *options, double *start_unix_s) {
 static double interval_s(const Convert *c) {
     if (options_is_set(c->options, OPTION_INTERVAL))
         return options_number(c->options, OPTION_INTERVAL);
-    return strcmp(c->to->name, "igc") == 0 ? INTERVAL_IGC_S : INTERVAL_S;
-}
-
-static void warn_of_difference(const Convert *c, const Playback *playback) {
-    char when[RECORDING_TIME_BYTES];
-    int64_t step = playback_first_difference(playback);
-    if (step >= 0)
-        log_warn("%s: flown again it is another flight from step %" PRId64 " on (%s): what is written is what was "
-                 "flown now",
-                 c->in, step, recording_time_text((uint64_t)step, RECORDING_STEPS_PER_S, when));
+    return has_whole_seconds(c) ? INTERVAL_IGC_S : INTERVAL_S;
 }
 
 static Result fly_again(Convert *c, TrackReading how) {
-    Playback *playback = NULL;
     Result result = replay_check_scene(c->options, c->in);
     if (result == RESULT_OK)
         result = replay_load_scene(c->options, c->in, &c->world);
     if (result != RESULT_OK)
         return result;
-    const PlaybackOptions options = {
-        .how = how, .ground = session_ground(&c->world), .dem_hash = dem_hash(terrain_dem(c->world.terrain))};
-    result = playback_open(c->in, &options, &playback);
-    if (result == RESULT_OK)
-        result = playback_track(playback, interval_s(c), &c->track);
-    if (result == RESULT_OK)
-        warn_of_difference(c, playback);
-    playback_close(&playback);
+    const PlaybackOptions options = {.how = how,
+                                     .aircraft = replay_aircraft(c->options),
+                                     .ground = session_ground(&c->world),
+                                     .dem_hash = dem_hash(terrain_dem(c->world.terrain))};
+    return playback_load_track(c->in, &options, interval_s(c), &c->track);
+}
+
+static Result read_points(Convert *c, TrackReading how) {
+    if (c->from == &recording)
+        return fly_again(c, how);
+    Result result = c->from->read(c->in, &how, &c->track);
+    if (result == RESULT_OK && options_is_set(c->options, OPTION_INTERVAL))
+        result = track_resample(&c->track, options_number(c->options, OPTION_INTERVAL));
     return result;
 }
 
 static Result read_track(Convert *c) {
     double start_unix_s;
-    TrackReading how = track_reading_default();
     Result result = read_start(c->options, &start_unix_s);
     if (result == RESULT_OK && (c->from->wants_geoid || c->to->wants_geoid))
         result = scene_open_geoid(c->options, &c->geoid);
     if (result != RESULT_OK)
         return result;
-    how.geoid = c->geoid;
-    how.object = options_text(c->options, OPTION_OBJECT);
-    if (options_is_set(c->options, OPTION_IGC_ALT))
-        how.igc_alt = (TrackIgcAlt)options_choice(c->options, OPTION_IGC_ALT);
-    result = c->from == &recording ? fly_again(c, how) : c->from->read(c->in, &how, &c->track);
+    result = read_points(c, track_reading_of(c->options, c->geoid));
     if (result == RESULT_OK && isfinite(start_unix_s))
         c->track.start_unix_s = start_unix_s;
     return result;
@@ -191,8 +193,10 @@ static void print_text(const Convert *c) {
 Result cmd_convert(const Options *options) {
     Convert convert = {.options = options};
     Result result = check_names(&convert);
-    if (result == RESULT_OK)
+    if (result == RESULT_OK) {
+        warn_of_ignored(&convert);
         result = read_track(&convert);
+    }
     if (result == RESULT_OK)
         result = track_save(convert.out, convert.to, &convert.track, convert.geoid);
     if (result == RESULT_OK && options_flag(options, OPTION_JSON))

@@ -1,5 +1,6 @@
 #include "app/commands/command.h"
 #include "app/json.h"
+#include "app/outputs.h"
 #include "app/scene_load.h"
 #include "base/clock.h"
 #include "base/log.h"
@@ -33,7 +34,8 @@ typedef struct MeshRun {
 
 static Result check_output(MeshRun *run) {
     run->path = options_text(run->options, OPTION_OUTPUT);
-    return run->path ? mesh_format_of(run->path, &run->format) : RESULT_OK;
+    Result result = run->path ? mesh_format_of(run->path, &run->format) : RESULT_OK;
+    return result == RESULT_OK && run->path ? outputs_check(run->options, "--output", run->path) : result;
 }
 
 static double tan_up(const Options *options) {

@@ -3,6 +3,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "app/bench/bench.h"
 #include "app/commands/command.h"
+#include "app/outputs.h"
 #include "app/reproduce/reproduce.h"
 #include "app/reproduce/reproduce_figures.h"
 #include "app/signals.h"
@@ -43,11 +44,14 @@ static const Experiment *find_experiment(const Options *options) {
 static Result read_options(const Options *options, Reproduce *run) {
     const char *folder = options_text(options, OPTION_OUTPUT_FOLDER);
     const char *sides = options_text(options, OPTION_REPRODUCE_SIDES);
+    const char *const begins[] = {run->report.paper, NULL};
     run->options = options;
     run->quick = options_flag(options, OPTION_QUICK);
     run->seconds = options_is_set(options, OPTION_SECONDS) ? options_number(options, OPTION_SECONDS) : 0.0;
     Result result = sides ? bench_read_sides(sides, REPRODUCE_SIDES_MAX, run->sides, &run->side_count) : RESULT_OK;
-    return result == RESULT_OK && folder ? files_check_folder(folder) : result;
+    if (result == RESULT_OK && folder)
+        result = files_check_folder(folder);
+    return result == RESULT_OK && folder ? outputs_check_folder(options, "--output", folder, begins) : result;
 }
 
 static Result start_workers(Reproduce *run) {

@@ -2,6 +2,7 @@
 #include "app/compute.h"
 #include "app/flight/flight_settings.h"
 #include "app/json.h"
+#include "app/outputs.h"
 #include "app/picture_options.h"
 #include "app/pipeline/picture.h"
 #include "app/pipeline/pipeline.h"
@@ -24,10 +25,12 @@ typedef struct Snapshot {
 
 static Result check_output(Snapshot *snapshot) {
     snapshot->output = options_text(snapshot->options, OPTION_OUTPUT);
-    if (snapshot->output)
-        return picture_check_name(snapshot->output, "--output");
-    log_error("snapshot: expected where to write the picture: -o FILE.png");
-    return RESULT_USAGE;
+    if (!snapshot->output) {
+        log_error("snapshot: expected where to write the picture: -o FILE.png");
+        return RESULT_USAGE;
+    }
+    Result result = picture_check_name(snapshot->output, "--output");
+    return result == RESULT_OK ? outputs_check(snapshot->options, "--output", snapshot->output) : result;
 }
 
 static LodMethod compared_method(const Options *options) {

@@ -15,9 +15,10 @@
 #define DEMO_CLEARANCE_M 120.0
 
 typedef struct Demo {
-    char title[DEMO_TEXT_BYTES];    // "" where the file has none
-    char aircraft[DEMO_TEXT_BYTES]; // by its name, or ""
-    char view[DEMO_TEXT_BYTES];     // as --view takes it, or ""
+    char title[DEMO_TEXT_BYTES];               // "" where the file has none
+    char aircraft[DEMO_TEXT_BYTES];            // by its name, or ""
+    char aircraft_where[PATHS_BYTES_MAX + 32]; // for messages: "round.demo:3: aircraft"
+    char view[DEMO_TEXT_BYTES];                // as --view takes it, or ""
     bool has_start;
     Viewpoint start; // heading, level
     double start_speed_m_s;
@@ -37,7 +38,8 @@ typedef struct Demo {
 //   clearance LENGTH                 default 120m
 //   to LAT,LON,ALT SPEED             any number
 //   stick FILE                       beside this one, as stick_stream_read takes it; instead of `to`
-// and comments after '#'. NOT_FOUND, IO, FORMAT (file, line, what was expected); logged.
+// and comments after '#'; all but `to` once. Whether there is such an aircraft is asked by who needs it. NOT_FOUND, IO,
+// FORMAT (file, line, what was expected); logged.
 MUST_USE Result demo_read(const char *path, const Geoid *geoid, Demo *out);
 // The title alone; "" where there is none. Errors of demo_read.
 MUST_USE Result demo_read_title(const char *path, char out[DEMO_TEXT_BYTES]);

@@ -3,16 +3,15 @@
 // Values; nothing is owned. Any thread.
 #pragma once
 #include "app/demo/demo.h"
-
-#define DEMO_LIST_MAX 64
+#include "config/named_files.h"
 
 typedef struct DemoEntry {
-    char name[64]; // of the file, without folder and ending
+    char name[NAMED_FILES_BYTES]; // of the file, without folder and ending
     char title[DEMO_TEXT_BYTES];
 } DemoEntry;
 
 typedef struct DemoList {
-    DemoEntry entries[DEMO_LIST_MAX]; // in the order of the alphabet
+    DemoEntry entries[NAMED_FILES_MAX]; // in the order of the alphabet
     int count;
 } DemoList;
 

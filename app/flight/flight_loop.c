@@ -78,7 +78,8 @@ static void name_picture(FlightLoop *loop, int64_t index, FrameOrder *order) {
     if (last)
         snprintf(order->picture, sizeof order->picture, "%s", loop->screenshot);
     else if (is_picture(loop, index))
-        snprintf(order->picture, sizeof order->picture, "%s/overfly-%03d.png", loop->pictures, ++loop->pictures_begun);
+        snprintf(order->picture, sizeof order->picture, "%s/" FLIGHT_PICTURE_BEGIN "%03d.png", loop->pictures,
+                 ++loop->pictures_begun);
     else if (loop->session->screenshot_wanted && picture_new_name((int64_t)time(NULL), order->picture) == RESULT_OK) {
         char message[PIPELINE_MESSAGE_BYTES];
         loop->session->screenshot_wanted = false;

@@ -7,6 +7,8 @@
 #include "app/pipeline/pipeline.h"
 #include "render/context/context.h"
 
+#define FLIGHT_PICTURE_BEGIN "overfly-" // of the names of pictures in a folder, before their number
+
 typedef struct FlightLoop {
     FlightSession *session;
     Pipeline *pipeline;

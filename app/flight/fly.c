@@ -1,11 +1,13 @@
 #include "app/flight/fly.h"
 
+#include "app/demo/demo_list.h"
 #include "app/flight/flight_loop.h"
 #include "app/flight/flight_pipeline.h"
 #include "app/flight/flight_report.h"
 #include "app/flight/fly_outputs.h"
 #include "app/picture_options.h"
 #include "app/replay/replay_scene.h"
+#include "app/track/track_options.h"
 #include "base/log.h"
 
 #include <stdlib.h>
@@ -55,20 +57,31 @@ static Result open_context(Fly *fly) {
 
 // Before anything slow: whether the track can be read at all.
 static Result check_track(const Fly *fly) {
-    const TrackFormat *format;
+    const TrackFormat *format = NULL;
     bool other = fly->track && !playback_is_recording(fly->track);
-    return other ? track_format_of_file(fly->track, &format) : RESULT_OK;
+    Result result = other ? track_format_of_file(fly->track, &format) : RESULT_OK;
+    if (result == RESULT_OK && fly->track)
+        track_warn_of_unused(fly->options, fly->track, format);
+    return result;
+}
+
+// Likewise what is known by a name, which may be mistyped. What is wrong in the files is found by who reads them.
+static Result check_named(const Fly *fly) {
+    const Options *options = fly->options;
+    char path[PATHS_BYTES_MAX];
+    Result result = RESULT_OK;
+    if (options_command(options) == COMMAND_DEMO)
+        result = demo_find(options_positionals(options)[0], path);
+    if (result == RESULT_OK && options_is_given(options, OPTION_AIRCRAFT))
+        result = aircraft_find(options_where(options, OPTION_AIRCRAFT), options_text(options, OPTION_AIRCRAFT), path);
+    return result;
 }
 
 static Result start_replay(Fly *fly) {
-    PlaybackOptions playback = {.how = track_reading_default(),
+    PlaybackOptions playback = {.how = track_reading_of(fly->options, fly->world.geoid),
                                 .aircraft = replay_aircraft(fly->options),
                                 .ground = fly->session->flight.ground,
                                 .dem_hash = dem_hash(terrain_dem(fly->world.terrain))};
-    playback.how.geoid = fly->world.geoid;
-    playback.how.object = options_text(fly->options, OPTION_OBJECT);
-    if (options_is_set(fly->options, OPTION_IGC_ALT))
-        playback.how.igc_alt = (TrackIgcAlt)options_choice(fly->options, OPTION_IGC_ALT);
     Result result = playback_open(fly->track, &playback, &fly->playback);
     return result == RESULT_OK ? session_begin_replay(fly->session, fly->playback, fly->options) : result;
 }
@@ -147,9 +160,11 @@ static Result report(const Fly *fly) {
 }
 
 static Result prepare(Fly *fly) {
-    Result result = fly_check_outputs(fly->options, fly->track);
+    Result result = fly_check_outputs(fly->options);
     if (result == RESULT_OK)
         result = check_track(fly);
+    if (result == RESULT_OK)
+        result = check_named(fly);
     if (result == RESULT_OK)
         result = fly->track ? replay_check_scene(fly->options, fly->track) : world_check_inputs(fly->options);
     if (result == RESULT_OK)

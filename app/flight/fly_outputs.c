@@ -1,7 +1,9 @@
 #define _POSIX_C_SOURCE 200809L
 #include "app/flight/fly_outputs.h"
 
+#include "app/flight/flight_loop.h"
 #include "app/flight/telemetry.h"
+#include "app/outputs.h"
 #include "app/pipeline/picture.h"
 #include "app/replay/playback.h"
 #include "base/log.h"
@@ -35,7 +37,9 @@ static Result check_video(const Options *options) {
         return RESULT_USAGE;
     }
     Result result = video_check_name(video, "--video");
-    return result == RESULT_OK ? files_check_writable(video) : result;
+    if (result == RESULT_OK)
+        result = files_check_writable(video);
+    return result == RESULT_OK ? outputs_check(options, "--video", video) : result;
 }
 
 static bool has_recording_ending(const char *path) {
@@ -49,14 +53,12 @@ static bool holds_something(const char *path) {
     return stat(path, &about) == 0 && S_ISREG(about.st_mode) && about.st_size > 0;
 }
 
-// The inputs of the flight are no recordings, but what is replayed: with that one, none is ever written over.
-static Result check_record(const Options *options, const char *track) {
+static Result check_record(const Options *options) {
     const char *record = options_text(options, OPTION_RECORD);
-    if (!record)
-        return RESULT_OK;
-    if (track && files_are_same(record, track))
-        log_error("--record: %s is the flight that is replayed; name another file", record);
-    else if (!has_recording_ending(record))
+    Result result = record ? outputs_check(options, "--record", record) : RESULT_OK;
+    if (!record || result != RESULT_OK)
+        return result;
+    if (!has_recording_ending(record))
         log_error("--record: expected a file name that ends in " RECORDING_ENDING "; found '%s'", record);
     else if (holds_something(record) && !playback_is_recording(record))
         log_error("--record: %s is there, and is no recording of this program; name another file", record);
@@ -66,13 +68,14 @@ static Result check_record(const Options *options, const char *track) {
 }
 
 // As of recordings; a file of --record, which need not be there yet, is known by its ending.
-static Result check_telemetry(const Options *options, const char *track) {
+static Result check_telemetry(const Options *options) {
     const char *telemetry = options_text(options, OPTION_TELEMETRY);
     if (!telemetry || strcmp(telemetry, "-") == 0)
         return RESULT_OK;
-    if (track && files_are_same(telemetry, track))
-        log_error("--telemetry: %s is the flight that is replayed; name another file", telemetry);
-    else if (has_recording_ending(telemetry))
+    Result result = outputs_check(options, "--telemetry", telemetry);
+    if (result != RESULT_OK)
+        return result;
+    if (has_recording_ending(telemetry))
         log_error("--telemetry: names that end in " RECORDING_ENDING " are of recordings; expected another, as "
                   "flight.csv; found '%s'",
                   telemetry);
@@ -86,10 +89,15 @@ static Result check_telemetry(const Options *options, const char *track) {
 static Result check_pictures(const Options *options) {
     const char *screenshot = options_text(options, OPTION_SCREENSHOT),
                *pictures = options_text(options, OPTION_PICTURES);
+    static const char *const begins[] = {FLIGHT_PICTURE_BEGIN, NULL};
     Result result = screenshot ? picture_check_name(screenshot, "--screenshot") : RESULT_OK;
+    if (result == RESULT_OK && screenshot)
+        result = outputs_check(options, "--screenshot", screenshot);
     if (result == RESULT_OK && pictures)
         result = files_make_folder(pictures);
-    return result == RESULT_OK && pictures ? files_check_folder(pictures) : result;
+    if (result == RESULT_OK && pictures)
+        result = files_check_folder(pictures);
+    return result == RESULT_OK && pictures ? outputs_check_folder(options, "--pictures", pictures, begins) : result;
 }
 
 // In a file of settings it may wait for its time.
@@ -104,12 +112,12 @@ static void warn_of_ignored(const Options *options) {
         log_warn("--every changes nothing without --pictures DIR");
 }
 
-Result fly_check_outputs(const Options *options, const char *track) {
+Result fly_check_outputs(const Options *options) {
     Result result = check_target(options);
     if (result == RESULT_OK)
-        result = check_record(options, track);
+        result = check_record(options);
     if (result == RESULT_OK)
-        result = check_telemetry(options, track);
+        result = check_telemetry(options);
     if (result == RESULT_OK)
         result = check_pictures(options);
     if (result == RESULT_OK)

@@ -5,6 +5,6 @@
 #include "config/options.h"
 
 // Of --record, --telemetry, --screenshot, --pictures and --video: names, folders, and that nothing is written over that
-// is not of their kind; and options that exclude each other. Those that change nothing are warned of. `track`: what is
-// replayed, or NULL. USAGE, NOT_FOUND, IO, RANGE; logged.
-MUST_USE Result fly_check_outputs(const Options *options, const char *track);
+// is read or not of their kind; and options that exclude each other. Those that change nothing are warned of. USAGE,
+// NOT_FOUND, IO, RANGE; logged; errors of outputs_check.
+MUST_USE Result fly_check_outputs(const Options *options);

@@ -94,22 +94,22 @@ static Result read_demo(const Options *options, FlightSession *session) {
 }
 
 // What the command line does not say.
-static Result take_from_demo(const Options *options, FlightSession *session, Viewpoint *view) {
+static void take_from_demo(const Options *options, FlightSession *session, Viewpoint *view) {
     const Demo *demo = &session->demo;
     if (demo->has_start && !options_is_set(options, OPTION_EYE))
         *view = demo->start;
-    if (!demo->view[0] || options_is_given(options, OPTION_VIEW) ||
-        camera_view_find(demo->view, &session->settings.view))
-        return RESULT_OK;
-    log_error("the demo wants the view '%s', which there is not", demo->view);
-    return RESULT_FORMAT;
+    if (demo->view[0] && !options_is_given(options, OPTION_VIEW))
+        camera_view_find(demo->view, &session->settings.view); // one of the choices of --view
 }
 
 static Result load_aircraft(const Options *options, FlightSession *session) {
     bool of_demo = session->demo.aircraft[0] && !options_is_given(options, OPTION_AIRCRAFT);
     const char *name = of_demo ? session->demo.aircraft : options_text(options, OPTION_AIRCRAFT);
+    const char *where = of_demo ? session->demo.aircraft_where : options_where(options, OPTION_AIRCRAFT);
+    char path[PATHS_BYTES_MAX];
     session->aircraft_name = name;
-    return aircraft_load(name, &session->aircraft);
+    Result result = aircraft_find(*where ? where : "aircraft", name, path);
+    return result == RESULT_OK ? aircraft_read(path, &session->aircraft) : result;
 }
 
 static void start(const Options *options, const Viewpoint *view, FlightSession *session) {
@@ -133,10 +133,10 @@ Result session_create(const World *world, const Options *options, FlightSession 
     out->assist = options_flag(options, OPTION_ASSIST);
     out->kiosk_idle_s = options_flag(options, OPTION_KIOSK) ? options_number(options, OPTION_IDLE) : 0.0;
     result = read_demo(options, out);
-    if (result == RESULT_OK)
-        result = take_from_demo(options, out, &view);
-    if (result == RESULT_OK)
+    if (result == RESULT_OK) {
+        take_from_demo(options, out, &view);
         result = load_aircraft(options, out);
+    }
     if (result != RESULT_OK) {
         session_end(out);
         return result;

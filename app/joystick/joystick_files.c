@@ -1,19 +1,14 @@
-#define _POSIX_C_SOURCE 200809L
 #include "app/joystick/joystick_files.h"
 
 #include "base/log.h"
 #include "config/files.h"
 #include "config/joystick_calibration.h"
 #include "config/joystick_profile.h"
+#include "config/named_files.h"
 
-#include <dirent.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
-#define FOLDER "joysticks"
-#define ENDING ".joystick"
-#define FILES_MAX 256 // of profiles in a folder
 #define CALIBRATION_FILE "calibration.conf"
 
 // What input calls things, as the lists that config reads files by.
@@ -91,39 +86,7 @@ Result joystick_read_profile(const char *path, PadProfile *out) {
 
 // ---- Folders ---------------------------------------------------------------------------------------------------
 
-typedef struct Listing {
-    char *names[FILES_MAX];
-    int count;
-} Listing;
-
-static int by_name(const void *a, const void *b) {
-    return strcmp(*(char *const *)a, *(char *const *)b);
-}
-
-static bool is_profile(const char *name) {
-    size_t length = strlen(name), ending = strlen(ENDING);
-    return name[0] != '.' && length > ending && strcmp(name + length - ending, ENDING) == 0;
-}
-
-// Sorted by name. A folder that cannot be read is empty.
-static void list_profiles(const char *folder, Listing *out) {
-    out->count = 0;
-    DIR *directory = opendir(folder);
-    if (!directory)
-        return;
-    for (struct dirent *entry = readdir(directory); entry && out->count < FILES_MAX; entry = readdir(directory)) {
-        char *name = is_profile(entry->d_name) ? strdup(entry->d_name) : NULL;
-        if (name)
-            out->names[out->count++] = name;
-    }
-    closedir(directory);
-    qsort(out->names, (size_t)out->count, sizeof out->names[0], by_name);
-}
-
-static void clear_listing(Listing *listing) {
-    for (int i = 0; i < listing->count; i++)
-        free(listing->names[i]);
-}
+static const NamedFileKind KIND = {"joysticks", ".joystick", "a joystick's profile"};
 
 // The best of the folder so far is `out` and `fit`.
 static void try_profile(const char *path, const Names *names, const PadInfo *info, JoystickFit *fit, PadProfile *out,
@@ -141,16 +104,16 @@ static void try_profile(const char *path, const Names *names, const PadInfo *inf
 
 static bool find_in(const char *folder, const Names *names, const PadInfo *info, PadProfile *out,
                     char best[PATHS_BYTES_MAX]) {
-    Listing listing;
+    NamedFiles files = {.count = 0};
     JoystickFit fit = JOYSTICK_FITS_NOT;
-    list_profiles(folder, &listing);
-    for (int i = 0; i < listing.count; i++) {
+    if (files_is_folder(folder) && named_files_list(&KIND, folder, &files) != RESULT_OK)
+        return false;
+    for (int i = 0; i < files.count; i++) {
         char path[PATHS_BYTES_MAX];
-        int printed = snprintf(path, sizeof path, "%s/%s", folder, listing.names[i]);
+        int printed = snprintf(path, sizeof path, "%s/%s%s", folder, files.names[i], KIND.ending);
         if (printed > 0 && printed < (int)sizeof path)
             try_profile(path, names, info, &fit, out, best);
     }
-    clear_listing(&listing);
     return fit != JOYSTICK_FITS_NOT;
 }
 
@@ -158,9 +121,9 @@ Result joystick_find_profile(const PadInfo *info, PadProfile *out, char path[PAT
     Names names;
     char folder[PATHS_BYTES_MAX];
     list_names(&names);
-    if (files_user_config_of(FOLDER, folder) && find_in(folder, &names, info, out, path))
+    if (files_user_config_of(KIND.folder, folder) && find_in(folder, &names, info, out, path))
         return RESULT_OK;
-    if (paths_find_data(FOLDER, folder) == RESULT_OK && find_in(folder, &names, info, out, path))
+    if (paths_find_data(KIND.folder, folder) == RESULT_OK && find_in(folder, &names, info, out, path))
         return RESULT_OK;
     return RESULT_NOT_FOUND;
 }

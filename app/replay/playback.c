@@ -77,11 +77,14 @@ static void warn_of_differences(const RecordingHeader *header, const Playback *p
 
 static Result load_aircraft(const char *path, const RecordingHeader *header, const char *named, Playback *playback) {
     playback->aircraft_name = named ? named : header->environment[RECORDING_AIRCRAFT];
-    Result result = aircraft_load(playback->aircraft_name, &playback->aircraft);
+    char file[PATHS_BYTES_MAX];
+    Result result = aircraft_find(named ? "--aircraft" : path, playback->aircraft_name, file);
+    if (result == RESULT_OK)
+        result = aircraft_read(file, &playback->aircraft);
     if (result != RESULT_OK && !named)
-        log_info("%s was recorded with the aircraft '%s'; have it there again, or name it as it is here:\n"
-                 "  overfly replay %s --aircraft NAME|FILE",
-                 path, playback->aircraft_name, path);
+        log_info("%s was recorded with the aircraft '%s'; have it there again, or name it as it is here: "
+                 "--aircraft NAME|FILE",
+                 path, playback->aircraft_name);
     return result;
 }
 
@@ -307,21 +310,13 @@ static void fill_track(Playback *playback, double interval_s, int most, Track *o
     }
 }
 
-static Result check_points(const Playback *playback, double interval_s, double count) {
-    if (count <= TRACK_POINTS_MAX)
-        return RESULT_OK;
-    log_error("%s: %.0f points %g s apart, and %d are the most; take --interval %.3g or longer",
-              recording_reader_path(playback->reader), count, interval_s, TRACK_POINTS_MAX,
-              ceil(playback_duration_s(playback) / TRACK_POINTS_MAX * 1e3) * 1e-3);
-    return RESULT_RANGE;
-}
-
 Result playback_track(Playback *playback, double interval_s, Track *out) {
     if (!playback->reader)
         return RESULT_UNSUPPORTED;
     const RecordingHeader *header = recording_reader_header(playback->reader);
     double count = floor(playback_duration_s(playback) / interval_s + 1e-6) + 1.0;
-    Result result = check_points(playback, interval_s, count);
+    Result result =
+        track_check_interval(recording_reader_path(playback->reader), count, interval_s, playback_duration_s(playback));
     if (result != RESULT_OK)
         return result;
     int most = (int)count;
@@ -336,4 +331,24 @@ Result playback_track(Playback *playback, double interval_s, Track *out) {
     }
     fill_track(playback, interval_s, most, out);
     return RESULT_OK;
+}
+
+static void warn_of_difference(const char *path, const Playback *playback) {
+    char when[RECORDING_TIME_BYTES];
+    int64_t step = playback_first_difference(playback);
+    if (step >= 0)
+        log_warn("%s: flown again it is another flight from step %" PRId64 " on (%s): what is taken is what was flown "
+                 "now",
+                 path, step, recording_time_text((uint64_t)step, RECORDING_STEPS_PER_S, when));
+}
+
+Result playback_load_track(const char *path, const PlaybackOptions *options, double interval_s, Track *out) {
+    Playback *playback = NULL;
+    Result result = playback_open(path, options, &playback);
+    if (result == RESULT_OK)
+        result = playback_track(playback, interval_s, out);
+    if (result == RESULT_OK)
+        warn_of_difference(path, playback);
+    playback_close(&playback);
+    return result;
 }

@@ -53,3 +53,5 @@ MUST_USE Result playback_verify(Playback *playback, RecordingVerdict *out);
 // A track of it with a point every `interval_s`, gaps where something is lost or where it begins anew; to be cleared.
 // UNSUPPORTED: no recording; MEMORY; RANGE, logged: more points than tracks have.
 MUST_USE Result playback_track(Playback *playback, double interval_s, Track *out);
+// The same of a file, which is opened for it. Warns where the flight differs. As playback_open and playback_track.
+MUST_USE Result playback_load_track(const char *path, const PlaybackOptions *options, double interval_s, Track *out);

@@ -74,3 +74,16 @@ Result replay_load_scene(const Options *options, const char *track, World *out) 
     Result result = read_names(track, &names);
     return result == RESULT_OK ? world_load_listed(options, names.words, names.count, out) : result;
 }
+
+Result replay_visit_files(const Options *options, const char *track, WorldVisit *visit, void *user) {
+    Names names;
+    bool recorded = playback_is_recording(track);
+    if (options_command(options) == COMMAND_CONVERT && !recorded)
+        return RESULT_OK; // it is over no land
+    if (is_named(options) || !recorded)
+        return world_visit_files(options, visit, user);
+    Result result = replay_check_scene(options, track); // it tells the remedy
+    if (result == RESULT_OK)
+        result = read_names(track, &names);
+    return result == RESULT_OK ? world_visit_listed(names.words, names.count, visit, user) : result;
+}

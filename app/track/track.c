@@ -1,5 +1,6 @@
 #include "app/track/track.h"
 
+#include "base/log.h"
 #include "terrain/geodesy.h"
 
 #include <math.h>
@@ -52,6 +53,18 @@ bool track_kind_find(const char *name, TrackKind *out) {
         return true;
     }
     return false;
+}
+
+Result track_copy(const Track *track, Track *out) {
+    TrackPoint *points = malloc((size_t)track->count * sizeof *points);
+    if (!points) {
+        log_error("%s: no memory for %d points", track->name, track->count);
+        return RESULT_MEMORY;
+    }
+    memcpy(points, track->points, (size_t)track->count * sizeof *points);
+    *out = *track;
+    out->points = points;
+    return RESULT_OK;
 }
 
 void track_clear(Track *track) {

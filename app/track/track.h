@@ -91,14 +91,10 @@ typedef struct Track {
 
 // A flight over the world's terrain; the same terrain gives the same bits. RANGE: not one sample has data; MEMORY.
 MUST_USE Result track_builtin(const World *world, TrackKind kind, Track *out);
-// A CSV file: a line of column names (t_s, lat_deg, lon_deg, alt_m, and heading_deg, pitch_deg or neither; bank_deg,
-// gap, derived, unix_s where they are there; others are left alone, and so are lines that begin with '#'), then a line
-// a point. Without directions the eye looks along its way. NOT_FOUND, IO, MEMORY; FORMAT names the file, the line, and
-// what was expected.
-MUST_USE Result track_read(const char *path, Track *out);
-// The same file, with directions; bank, gaps, what is derived and the time where any point has them. True when all of
-// it was taken.
+// CSV, with directions; bank, gaps, what is derived and the time where any point has them. True when all of it was
+// taken.
 bool track_write(const Track *track, FILE *to);
+MUST_USE Result track_copy(const Track *track, Track *out); // MEMORY, logged
 void track_clear(Track *track);
 
 double track_duration_s(const Track *track);
@@ -121,6 +117,12 @@ TrackState track_state_at(const Track *track, double t_s);
 Viewpoint track_at(const Track *track, double t_s);
 // Of all points: to tell tracks apart.
 uint64_t track_hash(const Track *track);
+
+// A point every `interval_s` instead of those there are, interpolated as by track_state_at; each stretch without a gap
+// begins with its first point and ends with its last. MEMORY; RANGE, logged: more points than tracks have.
+MUST_USE Result track_resample(Track *track, double interval_s);
+// Whether a track may have so many points so far apart; else RANGE, logged with an interval that would do.
+MUST_USE Result track_check_interval(const char *name, double points, double interval_s, double duration_s);
 
 // The direction from one place to another, at the first; heading 0..360. The same place: north, level.
 void track_look(const Viewpoint *from, const Viewpoint *to, double *heading_deg, double *pitch_deg);

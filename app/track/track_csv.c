@@ -42,9 +42,21 @@ static char *trimmed(char *text) {
     return text;
 }
 
+// Whether the file breaks off in this line, which is then all that it costs.
+static bool is_cut_off(Reader *r) {
+    if (r->lines.ended || r->build.track->count == 0)
+        return false;
+    track_build_skip(&r->build, TRACK_SKIP_MALFORMED, r->lines.number);
+    log_warn("%s:%lld: the file is cut off here; points before it, which are kept: %d", r->lines.path,
+             (long long)r->lines.number, r->build.track->count);
+    return true;
+}
+
 // The next line that is no comment and not empty; false at the end. FORMAT in `result`: longer than any should be.
 static bool next_line(Reader *r, Result *result) {
     while (track_lines_next(&r->lines)) {
+        if (r->lines.cut && is_cut_off(r))
+            break;
         if (r->lines.cut) {
             *result = refuse(r, "a line of more than 4095 bytes, or with a zero byte; expected a line of numbers "
                                 "separated by commas");
@@ -96,23 +108,28 @@ static Result refuse_cell(const Reader *r, int column, const char *found) {
     return RESULT_FORMAT;
 }
 
-static Result read_cells(Reader *r, double numbers[COLUMN_COUNT]) {
+// The first column without a number of its own, whose cell is `found`, and whether it is the line's last, or is not
+// there at all; -1: none.
+static int read_cells(Reader *r, double numbers[COLUMN_COUNT], const char **found, bool *last) {
     char *cells[CELLS_MAX];
     int count = cut_cells(r->lines.text, cells);
     for (int c = 0; c < COLUMN_COUNT; c++) {
         numbers[c] = 0.0;
-        const char *cell = r->place[c] < 0 ? "0" : r->place[c] < count ? cells[r->place[c]] : "";
-        if (!read_number(cell, &COLUMNS[c], &numbers[c]))
-            return refuse_cell(r, c, cell);
+        *found = r->place[c] < 0 ? "0" : r->place[c] < count ? cells[r->place[c]] : "";
+        *last = r->place[c] >= count - 1;
+        if (!read_number(*found, &COLUMNS[c], &numbers[c]))
+            return c;
     }
-    return RESULT_OK;
+    return -1;
 }
 
 static Result add_point(Reader *r) {
     double n[COLUMN_COUNT];
-    Result result = read_cells(r, n);
-    if (result != RESULT_OK)
-        return result;
+    const char *found;
+    bool last;
+    int wrong = read_cells(r, n, &found, &last);
+    if (wrong >= 0)
+        return last && is_cut_off(r) ? RESULT_OK : refuse_cell(r, wrong, found);
     Track *track = r->build.track;
     if (track->count > 0 && n[T] <= track->points[track->count - 1].t_s) {
         log_error("%s:%lld: t_s: found %g after %g, expected time to go on", r->lines.path, (long long)r->lines.number,
@@ -127,18 +144,6 @@ static Result add_point(Reader *r) {
                         .bank_deg = n[BANK],
                         .flags = (gap ? TRACK_GAP : 0U) | (derived ? TRACK_DERIVED : 0U)};
     return track_build_add(&r->build, r->lines.number, &point);
-}
-
-// Where no directions are told: to the next point, and at the end as before.
-static void look_along(Track *track) {
-    for (int i = 0; i + 1 < track->count; i++)
-        track_look(&track->points[i].at, &track->points[i + 1].at, &track->points[i].at.heading_deg,
-                   &track->points[i].at.pitch_deg);
-    if (track->count < 2)
-        return;
-    const Viewpoint *before = &track->points[track->count - 2].at;
-    track->points[track->count - 1].at.heading_deg = before->heading_deg;
-    track->points[track->count - 1].at.pitch_deg = before->pitch_deg;
 }
 
 static Result read_all(Reader *r) {
@@ -169,20 +174,6 @@ static Result read_file(const char *path, Track *out, bool columns[COLUMN_COUNT]
     return result;
 }
 
-Result track_read(const char *path, Track *out) {
-    Track track;
-    bool columns[COLUMN_COUNT];
-    Result result = read_file(path, &track, columns);
-    if (result != RESULT_OK)
-        return result;
-    if (!columns[HEADING])
-        look_along(&track);
-    *out = track;
-    return RESULT_OK;
-}
-
-// ---- as one of the formats ----
-
 bool track_csv_recognise(const char *head) {
     return strstr(head, "t_s") && strstr(head, "lat_deg") && strstr(head, "lon_deg");
 }
@@ -192,7 +183,7 @@ static void mark_derived(Track *track) {
         track->points[i].flags |= TRACK_DERIVED;
 }
 
-// As track_read, but of an aircraft: without directions it banks as well, and what is no one flight is a gap.
+// Where the file does not say so, attitude is derived, and what is no one flight is a gap.
 Result track_csv_read(const char *path, const TrackReading *how, Track *out) {
     bool columns[COLUMN_COUNT];
     (void)how;

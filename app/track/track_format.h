@@ -27,6 +27,7 @@ typedef struct TrackFormat {
     bool wants_geoid;   // to read or write altitudes above the ellipsoid
     bool wants_start;   // cannot be written without a date
     bool has_attitude;
+    bool has_objects;                    // may hold several flights, of which one is asked for
     bool has_pressure;                   // a place of its own for pressure altitudes
     bool (*recognise)(const char *head); // the first bytes of a file, as text
     // Logs what is wrong with file and line. NOT_FOUND, IO, FORMAT, UNSUPPORTED, MEMORY.

@@ -5,6 +5,8 @@
 #include "app/track/track_format.h"
 
 bool track_csv_recognise(const char *head);
+// A line of column names (t_s, lat_deg, lon_deg, alt_m, and heading_deg, pitch_deg or neither; bank_deg, gap, derived,
+// unix_s where they are there; others are left alone, and so are lines that begin with '#'), then a line a point.
 Result track_csv_read(const char *path, const TrackReading *how, Track *out);
 void track_csv_write(const Track *track, const Geoid *geoid, FILE *to);
 bool track_igc_recognise(const char *head);

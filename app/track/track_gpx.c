@@ -111,6 +111,13 @@ static Result end(void *user, const TrackXmlPlace *place, const char *name, cons
     return RESULT_OK;
 }
 
+// A point that is open is none.
+static Result cut(void *user, int *points) {
+    const Reader *r = user;
+    *points = r->build.track->count;
+    return RESULT_OK;
+}
+
 static Result finish(Reader *r) {
     Track *track = r->build.track;
     track->format = "gpx";
@@ -123,7 +130,7 @@ static Result finish(Reader *r) {
 }
 
 Result track_gpx_read(const char *path, const TrackReading *how, Track *out) {
-    static const TrackXmlHandler handler = {begin, end};
+    static const TrackXmlHandler handler = {begin, end, cut};
     Reader reader = {.how = how, .build = track_build_begin(path, out), .path = path};
     Result result = track_xml_read(path, &handler, &reader);
     if (result == RESULT_OK)

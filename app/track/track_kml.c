@@ -133,16 +133,12 @@ static bool is_taken(Reader *r) {
     return r->taken_placemark == r->placemark;
 }
 
-static Result end_track(Reader *r, const TrackXmlPlace *place) {
+// The first `count` of the lists.
+static Result take_fixes(Reader *r, int count) {
     Result result = RESULT_OK;
-    if (r->when_count != r->coord_count || (r->angle_count != 0 && r->angle_count != r->coord_count)) {
-        log_error("%s:%lld: a track of %d when, %d coord and %d angles; expected as many of each", r->path,
-                  (long long)place->line, r->when_count, r->coord_count, r->angle_count);
-        return RESULT_FORMAT;
-    }
-    bool taken = r->coord_count > 0 && is_taken(r);
+    bool taken = count > 0 && is_taken(r);
     track_build_gap(&r->build);
-    for (int i = 0; i < r->coord_count && result == RESULT_OK; i++) {
+    for (int i = 0; i < count && result == RESULT_OK; i++) {
         if (taken)
             result = add_fix(r, &r->fixes[i]);
         else
@@ -150,6 +146,22 @@ static Result end_track(Reader *r, const TrackXmlPlace *place) {
     }
     r->assumed |= taken && !r->mode_told;
     forget_fixes(r);
+    return result;
+}
+
+static Result end_track(Reader *r, const TrackXmlPlace *place) {
+    if (r->when_count == r->coord_count && (r->angle_count == 0 || r->angle_count == r->coord_count))
+        return take_fixes(r, r->coord_count);
+    log_error("%s:%lld: a track of %d when, %d coord and %d angles; expected as many of each", r->path,
+              (long long)place->line, r->when_count, r->coord_count, r->angle_count);
+    return RESULT_FORMAT;
+}
+
+// Of the track that is open, what has a time and a place.
+static Result cut(void *user, int *points) {
+    Reader *r = user;
+    Result result = take_fixes(r, r->coord_count < r->when_count ? r->coord_count : r->when_count);
+    *points = r->build.track->count;
     return result;
 }
 
@@ -201,7 +213,7 @@ static Result finish(Reader *r) {
 }
 
 Result track_kml_read(const char *path, const TrackReading *how, Track *out) {
-    static const TrackXmlHandler handler = {begin, end};
+    static const TrackXmlHandler handler = {begin, end, cut};
     Reader reader = {.how = how, .build = track_build_begin(path, out), .path = path};
     Result result = track_xml_read(path, &handler, &reader);
     if (result == RESULT_OK)

@@ -111,16 +111,78 @@ static void XMLCALL on_doctype(void *user, const XML_Char *name, const XML_Char 
         refuse(user, "a document type with declarations of its own, as entities are; no track needs them");
 }
 
+// ---- files that break off ----
+
+static bool is_end(enum XML_Error error) {
+    return error == XML_ERROR_NO_ELEMENTS || error == XML_ERROR_UNCLOSED_TOKEN || error == XML_ERROR_PARTIAL_CHAR ||
+           error == XML_ERROR_UNCLOSED_CDATA_SECTION;
+}
+
+// What chance makes of a file; the parser's other errors are of files made to be wrong, or of another kind.
+static bool is_damage(enum XML_Error error) {
+    static const enum XML_Error damages[] = {XML_ERROR_INVALID_TOKEN,          XML_ERROR_TAG_MISMATCH,
+                                             XML_ERROR_DUPLICATE_ATTRIBUTE,    XML_ERROR_BAD_CHAR_REF,
+                                             XML_ERROR_JUNK_AFTER_DOC_ELEMENT, XML_ERROR_MISPLACED_XML_PI,
+                                             XML_ERROR_UNDEFINED_ENTITY};
+    for (size_t i = 0; i < COUNT_OF(damages); i++)
+        if (error == damages[i])
+            return true;
+    return is_end(error);
+}
+
+// Bytes from `at` on, counted until they are more than `most`. Zeros are none: a recorder that lost its power leaves
+// them behind what it wrote.
+static int64_t count_behind(FILE *file, int64_t at, int64_t most) {
+    char block[4096];
+    int64_t count = 0;
+    if (fseeko(file, (off_t)at, SEEK_SET) != 0)
+        return most + 1;
+    for (size_t got; count <= most && (got = fread(block, 1, sizeof block, file)) > 0;)
+        for (size_t i = 0; i < got; i++)
+            count += block[i] != '\0';
+    return count;
+}
+
+static Result refuse_broken(const Reader *r, enum XML_Error error, bool at_end, const char *why) {
+    log_error("%s:%lld: %s: %s%s", r->path, (long long)line_of(r), XML_ErrorString(error),
+              at_end ? "the file is empty or cut off" : "expected well-formed XML", why);
+    return RESULT_FORMAT;
+}
+
+// As of the other formats, where more must be whole than damaged: what stands before the place is kept if it is the
+// greater part of the file. The parser cannot go on behind it.
+static Result keep_before(Reader *r, FILE *file, enum XML_Error error) {
+    int64_t before = XML_GetCurrentByteIndex(r->parser), behind = count_behind(file, before, before);
+    bool at_end = is_end(error) || behind == 0;
+    int points = 0;
+    Result result = r->handler->cut(r->user, &points);
+    if (result != RESULT_OK)
+        return result;
+    if (points == 0)
+        return refuse_broken(r, error, at_end, at_end ? " before its first point" : "; no point stands before it");
+    if (behind > before)
+        return refuse_broken(r, error, false, "; more of the file stands behind it than before: mend that line");
+    if (at_end)
+        log_warn("%s:%lld: the file is cut off here; points before it, which are kept: %d", r->path,
+                 (long long)line_of(r), points);
+    else
+        log_warn("%s:%lld: %s: nothing behind it can be read; points before it, which are kept: %d", r->path,
+                 (long long)line_of(r), XML_ErrorString(error), points);
+    return RESULT_OK;
+}
+
 // What the parser found wrong; nothing when a handler has said it.
-static Result parser_failed(Reader *r) {
+static Result parser_failed(Reader *r, FILE *file) {
+    enum XML_Error error = XML_GetErrorCode(r->parser);
     if (r->result != RESULT_OK)
         return r->result;
-    enum XML_Error error = XML_GetErrorCode(r->parser);
-    log_error("%s:%lld: %s%s", r->path, (long long)line_of(r), XML_ErrorString(error),
-              error == XML_ERROR_NO_ELEMENTS || error == XML_ERROR_UNCLOSED_TOKEN ? ": the file is empty or cut off"
-                                                                                  : ": expected well-formed XML");
+    if (is_damage(error))
+        return keep_before(r, file, error);
+    (void)refuse_broken(r, error, false, "");
     return error == XML_ERROR_NO_MEMORY ? RESULT_MEMORY : RESULT_FORMAT;
 }
+
+// ---- reading ----
 
 static Result feed(Reader *r, FILE *file) {
     for (bool last = false; !last;) {
@@ -139,7 +201,7 @@ static Result feed(Reader *r, FILE *file) {
             return RESULT_IO;
         }
         if (XML_ParseBuffer(r->parser, (int)count, last) != XML_STATUS_OK)
-            return parser_failed(r);
+            return parser_failed(r, file);
         if (r->fed - r->heard > TOKEN_BYTES_MAX) {
             refuse(r, "a tag of more than a megabyte; no track has one");
             return RESULT_FORMAT;

@@ -20,8 +20,12 @@ typedef struct TrackXmlHandler {
     Result (*begin)(void *user, const TrackXmlPlace *place, const char *name, const char *const *attributes);
     // `text`: what stands in the element itself, without white space around it; "" if it has elements.
     Result (*end)(void *user, const TrackXmlPlace *place, const char *name, const char *text);
+    // The file is cut off, or damaged so that nothing more can be read of it: closes what is open. `points`: how many
+    // there are to be kept.
+    Result (*cut)(void *user, int *points);
 } TrackXmlHandler;
 
-// Entities, documents nested deeper than TRACK_XML_DEPTH_MAX, and single tags above a megabyte are refused. NOT_FOUND,
-// IO, MEMORY; FORMAT names file and line.
+// A file that is cut off, or damaged in its second half, is read as far as it goes, with a warning of file and line,
+// unless there are no points to be kept. Entities, documents nested deeper than TRACK_XML_DEPTH_MAX, and single tags
+// above a megabyte are refused. NOT_FOUND, IO, MEMORY; FORMAT names file and line.
 MUST_USE Result track_xml_read(const char *path, const TrackXmlHandler *handler, void *user);
