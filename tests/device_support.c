@@ -524,7 +524,7 @@ void fake_bed_destroy(FakeBed **bed) {
 }
 
 bool fake_wait(Devices *devices, DeviceEventKind kind, DeviceEvent *event) {
-    int64_t until_ns = clock_now_ns() + 3 * INT64_C(1000000000);
+    int64_t until_ns = clock_now_ns() + 20 * INT64_C(1000000000);
     do {
         while (devices_poll(devices, event, 1) == 1)
             if (event->kind == kind)

@@ -62,6 +62,6 @@ typedef struct FakePadHands {
 #define FAKE_PAD_BYTES 20
 void fake_pad_report(const FakePadHands *hands, uint8_t out[FAKE_PAD_BYTES]);
 
-// Polls until an event of `kind` comes, for at most 3 s: true, and the event. Earlier events of other kinds are passed
+// Polls until an event of `kind` comes, for at most 20 s: true, and the event. Earlier events of other kinds are passed
 // over.
 bool fake_wait(Devices *devices, DeviceEventKind kind, DeviceEvent *event);

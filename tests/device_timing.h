@@ -36,9 +36,9 @@ static inline double device_timing_busy_ms(void) {
     return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
 }
 
-// Polls as often as can be until an event of `kind` comes, for at most 3 s.
+// Polls as often as can be until an event of `kind` comes, for at most 20 s.
 static inline bool device_timing_poll_until(DeviceTiming *timing, Devices *devices, DeviceEventKind kind) {
-    int64_t until_ns = clock_now_ns() + 3 * INT64_C(1000000000), begin_ns;
+    int64_t until_ns = clock_now_ns() + 20 * INT64_C(1000000000), begin_ns;
     DeviceEvent event;
     bool found = false;
     long sleeps = device_timing_sleeps();
