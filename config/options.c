@@ -87,6 +87,21 @@ void option_environment_name(OptionId id, char out[64]) {
         out[i] = out[i] == '-' ? '_' : (char)toupper((unsigned char)out[i]);
 }
 
+const OptionCommand option_commands[OPTION_COMMANDS] = {
+    {COMMAND_FLY, "fly"},
+    {COMMAND_DEMO, "demo"},
+    {COMMAND_REPLAY, "replay"},
+    {COMMAND_SNAPSHOT, "snapshot"},
+    {COMMAND_MESH, "mesh"},
+    {COMMAND_BENCH, "bench"},
+    {COMMAND_REPRODUCE, "reproduce"},
+    {COMMAND_INFO, "info"},
+    {COMMAND_CONVERT, "convert"},
+    {COMMAND_DEVICES, "devices"},
+    {COMMAND_AIRCRAFT, "aircraft"},
+    {COMMAND_CONFIG, "config"},
+};
+
 bool option_belongs_to(OptionId id, CommandId command) {
     return command == COMMAND_CONFIG || (specs[id].commands & command);
 }
