@@ -232,7 +232,8 @@ void option_describe_expected(const OptionSpec *spec, char *out, size_t size) {
             snprintf(out + used, size - used, " with N a power of two from %g to %g", spec->least, spec->greatest);
         return;
     }
-    const char *expected = types[spec->type].expected;
+    bool seconds = spec->argument && strcmp(spec->argument, "S") == 0;
+    const char *expected = seconds ? "a number of seconds" : types[spec->type].expected;
     if (spec->least != 0 || spec->greatest != 0)
         snprintf(out, size, "%s, from %.12g to %.12g", expected, spec->least, spec->greatest);
     else

@@ -93,6 +93,7 @@ def wrong_usage_is_exit_2(cli):
     cli.refused(2, "a value is missing", "fly", "--tau")
     cli.refused(2, "not to this subcommand; it is one of mesh", "fly", "--cull")
     cli.refused(2, "option '--no-assist' is known, but not to this subcommand; it is one of fly, demo", "mesh", "--no-assist")
+    cli.refused(2, "--idle: expected a number of seconds, from 1 to 86400; found '1m'", "demo", "list", "--idle", "1m")
     cli.refused(2, "to fly it again: overfly replay day.igc", "fly", "day.igc")
     cli.refused(2, "--verify draws nothing: expected no --video", "replay", "none.ofr", "--verify", "--video", "x.mp4")
     cli.refused(2, "OVERFLY_FOV", "fly", "--no-window", "--frames", "1", OVERFLY_FOV="wide")
