@@ -87,6 +87,21 @@ void option_environment_name(OptionId id, char out[64]) {
         out[i] = out[i] == '-' ? '_' : (char)toupper((unsigned char)out[i]);
 }
 
+const OptionCommand option_commands[OPTION_COMMANDS] = {
+    {COMMAND_FLY, "fly"},
+    {COMMAND_DEMO, "demo"},
+    {COMMAND_REPLAY, "replay"},
+    {COMMAND_SNAPSHOT, "snapshot"},
+    {COMMAND_MESH, "mesh"},
+    {COMMAND_BENCH, "bench"},
+    {COMMAND_REPRODUCE, "reproduce"},
+    {COMMAND_INFO, "info"},
+    {COMMAND_CONVERT, "convert"},
+    {COMMAND_DEVICES, "devices"},
+    {COMMAND_AIRCRAFT, "aircraft"},
+    {COMMAND_CONFIG, "config"},
+};
+
 bool option_belongs_to(OptionId id, CommandId command) {
     return command == COMMAND_CONFIG || (specs[id].commands & command);
 }
@@ -217,7 +232,8 @@ void option_describe_expected(const OptionSpec *spec, char *out, size_t size) {
             snprintf(out + used, size - used, " with N a power of two from %g to %g", spec->least, spec->greatest);
         return;
     }
-    const char *expected = types[spec->type].expected;
+    bool seconds = spec->argument && strcmp(spec->argument, "S") == 0;
+    const char *expected = seconds ? "a number of seconds" : types[spec->type].expected;
     if (spec->least != 0 || spec->greatest != 0)
         snprintf(out, size, "%s, from %.12g to %.12g", expected, spec->least, spec->greatest);
     else

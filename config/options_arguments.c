@@ -23,8 +23,20 @@ static Result refuse_unknown(const Reading *reading, const char *name) {
     return RESULT_USAGE;
 }
 
-static Result refuse_other_command(const char *name) {
-    log_error("option '--%s' is known, but not to this subcommand; --help lists what it takes", name);
+static bool is_taken_by(const char *name, CommandId command) {
+    for (int id = 0; id < OPTION_COUNT; id++)
+        if (strcmp(option_spec((OptionId)id)->name, name) == 0 && (option_spec((OptionId)id)->commands & command))
+            return true;
+    return false;
+}
+
+static Result refuse_other_command(const char *shown, const char *name) {
+    char takers[128] = "";
+    for (int i = 0; i < OPTION_COMMANDS; i++)
+        if (is_taken_by(name, option_commands[i].id))
+            snprintf(takers + strlen(takers), sizeof takers - strlen(takers), "%s%s", *takers ? ", " : "",
+                     option_commands[i].name);
+    log_error("option '%s' is known, but not to this subcommand; it is one of %s", shown, takers);
     return RESULT_USAGE;
 }
 
@@ -80,7 +92,7 @@ static Result read_long(Reading *reading, const char *argument) {
     if (id < 0 || (negated && (!is_flag(id) || attached)))
         return refuse_unknown(reading, name);
     if (!option_belongs_to((OptionId)id, reading->command))
-        return refuse_other_command(name);
+        return refuse_other_command(shown, option_spec((OptionId)id)->name);
     if (is_flag(id) && !attached)
         return set_flag(reading, (OptionId)id, negated ? "false" : "true", shown);
     return take_value(reading, (OptionId)id, attached, shown);

@@ -63,34 +63,20 @@ Result options_read_environment(Options *options, char *const *environment) {
     return RESULT_OK;
 }
 
-static const struct {
-    const char *name;
-    CommandId command;
-} sections[] = {
-    {"", COMMANDS_ALL},
-    {"fly", COMMAND_FLY},
-    {"snapshot", COMMAND_SNAPSHOT},
-    {"mesh", COMMAND_MESH},
-    {"bench", COMMAND_BENCH},
-    {"info", COMMAND_INFO},
-    {"config", COMMAND_CONFIG},
-    {"reproduce", COMMAND_REPRODUCE},
-    {"convert", COMMAND_CONVERT},
-    {"replay", COMMAND_REPLAY},
-    {"demo", COMMAND_DEMO},
-    {"aircraft", COMMAND_AIRCRAFT},
-};
-
 static bool find_section(const IniEntry *entry, CommandId *out) {
-    const char *names[COUNT_OF(sections)];
-    for (size_t i = 0; i < COUNT_OF(sections); i++) {
-        names[i] = sections[i].name;
-        if (strcmp(sections[i].name, entry->section) == 0) {
-            *out = sections[i].command;
+    const char *names[OPTION_COMMANDS];
+    if (!*entry->section) {
+        *out = COMMANDS_ALL;
+        return true;
+    }
+    for (int i = 0; i < OPTION_COMMANDS; i++) {
+        names[i] = option_commands[i].name;
+        if (strcmp(names[i], entry->section) == 0) {
+            *out = option_commands[i].id;
             return true;
         }
     }
-    const char *nearest = suggest_nearest(entry->section, names + 1, (int)COUNT_OF(sections) - 1);
+    const char *nearest = suggest_nearest(entry->section, names, OPTION_COMMANDS);
     log_error("%s:%d: in section [%s]: expected a subcommand's name%s%s%s", entry->file, entry->line, entry->section,
               nearest
                   ? "; did you mean ["
@@ -109,12 +95,22 @@ static void report_unknown_name(const IniEntry *entry, CommandId section) {
                   entry->line, entry->name);
 }
 
+// Whose options are read: 'overfly config fly' shows what fly would take.
+static CommandId reads_for(const Options *options) {
+    CommandId command = options_command(options);
+    if (command == COMMAND_CONFIG && options_positional_count(options) > 0)
+        for (int i = 0; i < OPTION_COMMANDS; i++)
+            if (strcmp(option_commands[i].name, options_positionals(options)[0]) == 0)
+                return option_commands[i].id;
+    return command;
+}
+
 static bool visit_entry(void *user, const IniEntry *entry) {
     Options *options = user;
     CommandId section;
     if (!find_section(entry, &section))
         return false;
-    CommandId command = options_command(options);
+    CommandId command = reads_for(options);
     bool for_us = (section & command) || (command == COMMAND_CONFIG);
     int id = option_find(entry->name, section == COMMANDS_ALL ? command : section);
     if (id < 0 || is_command_line_only(id)) {

@@ -4,6 +4,15 @@
 #pragma once
 #include "config/options.h"
 
+#define OPTION_COMMANDS 12
+
+// The subcommands by name, in the order of help.
+typedef struct OptionCommand {
+    CommandId id;
+    const char *name;
+} OptionCommand;
+extern const OptionCommand option_commands[OPTION_COMMANDS];
+
 // Whether `command` takes the option. COMMAND_CONFIG takes all, to show them.
 bool option_belongs_to(OptionId id, CommandId command);
 // "a number, from 0.01 to 1000" into `out`.

@@ -91,7 +91,11 @@ def wrong_usage_is_exit_2(cli):
     cli.refused(2, "ends in .png", "snapshot", "-o", "x.jpg")
     cli.refused(2, "ends in .png", "fly", "--no-window", "--frames", "1", "--screenshot", "picture")
     cli.refused(2, "a value is missing", "fly", "--tau")
-    cli.refused(2, "not to this subcommand", "fly", "--cull")
+    cli.refused(2, "not to this subcommand; it is one of mesh", "fly", "--cull")
+    cli.refused(2, "option '--no-assist' is known, but not to this subcommand; it is one of fly, demo", "mesh", "--no-assist")
+    cli.refused(2, "--idle: expected a number of seconds, from 1 to 86400; found '1m'", "demo", "list", "--idle", "1m")
+    cli.refused(2, "to fly it again: overfly replay day.igc", "fly", "day.igc")
+    cli.refused(2, "--verify draws nothing: expected no --video", "replay", "none.ofr", "--verify", "--video", "x.mp4")
     cli.refused(2, "OVERFLY_FOV", "fly", "--no-window", "--frames", "1", OVERFLY_FOV="wide")
 
 
@@ -116,9 +120,16 @@ def options_may_come_before_the_subcommand(cli):
         expect_in(f"config after {leading}", "wireframe", run.out)
     cli.refused(2, "-o FILE.png", "-q", "snapshot")
     cli.refused(2, "unexpected argument", "-q", "config", "fly", "again")
-    cli.refused(2, "not to this subcommand", "--cull", "snapshot", "-o", "x.png")
+    cli.refused(2, "not to this subcommand; it is one of mesh", "--cull", "snapshot", "-o", "x.png")
     cli.refused(2, "neither a file nor a subcommand", "--no-window", "--frames", "1", "--", "mesh")
     cli.refused(2, "ends in .png", "--output", "mesh", "snapshot")
+
+
+def a_file_of_settings_has_a_section_for_each_subcommand(cli):
+    cli.write("config/overfly/overfly.conf", "".join(f"[{name}]\nquiet = yes\n" for name in SUBCOMMANDS))
+    run = cli.run("config", "devices")
+    expect(f"exit status, having said {run.err!r}", run.code, 0)
+    expect_in("quiet of devices", f"overfly.conf:{2 * SUBCOMMANDS.index('devices') + 2}", run.out)
 
 
 def a_damaged_file_is_named_with_its_line(cli):
@@ -214,12 +225,23 @@ def nothing_is_written_over_what_is_read(cli):
 
 
 def options_that_change_nothing_are_told(cli):
-    demo = ["demo", "round", *SMALL, "--no-window", "--frames", "1"]
+    demo = ["demo", "round", *SMALL, "--no-window", "--frames", "1", "--tau", "8"]
     cli.warned("--idle changes nothing without --kiosk", *demo, "--idle", "9")
     cli.write("short.csv", "t_s,lat_deg,lon_deg,alt_m\n0,36.58,-84.24,1500\n1,36.581,-84.24,1500\n")
     cli.warned("--every changes nothing without --pictures", "replay", "short.csv", *SMALL, "--no-window", "--frames", "1", "--every",
                "2")
     cli.refused(2, "demo list: expected nothing more; found 'extra'", "demo", "list", "extra")
+
+
+def a_track_of_another_land_is_told_and_tells_no_more_than_a_path(cli):
+    cli.write("far.csv", "t_s,lat_deg,lon_deg,alt_m\n0,46.5,8.1,1500\n1,46.501,8.1,1500\n")
+    cli.warned("far.csv: the flight is nowhere over this land, it begins at 46.5000, 8.1000", "replay", "far.csv", *SMALL,
+               "--no-window", "--frames", "1", "--tau", "8", "--telemetry", "out.csv")
+    with open(cli.path("out.csv"), encoding="utf-8") as file:
+        line = list(csv.DictReader(file))[0]
+    told = [name for name, value in line.items() if value]
+    expect("what is told", told, ["t_s", "lat_deg", "lon_deg", "alt_m", "heading_deg", "pitch_deg", "bank_deg",
+                                  "vertical_speed_m_s"])
 
 
 def a_wrong_image_is_refused_in_one_message(cli):
@@ -471,6 +493,8 @@ def without_a_display_it_says_how_to_get_a_window(cli):
     run = cli.run("fly", *SMALL, "--frames", "3", "--json")
     expect(f"exit status with --frames, having said {run.err!r}", run.code, 0)
     expect("window", json.loads(run.out)["window"], False)
+    expect_in("message with --frames", "flying on without a window", run.err)
+    expect("what to do for a window, where it isn't missed", run.err.count("xvfb-run"), 0)
 
 
 def an_old_opengl_is_named_beside_what_is_needed(cli):
@@ -815,6 +839,8 @@ CASES = [help_is_instant_and_complete, help_comes_even_with_a_damaged_file, wron
          options_may_come_before_the_subcommand, a_damaged_file_is_named_with_its_line, sources_win_in_order, missing_files_are_named,
          folders_for_pictures_are_looked_at_before_the_work, files_of_other_kinds_are_not_written_over,
          nothing_is_written_over_what_is_read, options_that_change_nothing_are_told,
+         a_file_of_settings_has_a_section_for_each_subcommand,
+         a_track_of_another_land_is_told_and_tells_no_more_than_a_path,
          a_wrong_image_is_refused_in_one_message, image_bounds_without_an_image_are_wrong_usage,
          an_image_beside_the_terrain_is_warned_of, an_eye_under_the_ground_is_warned_of,
          missing_files_are_named_before_a_window_is_wanted, info_names_every_file, overlapping_files_are_warned_of,

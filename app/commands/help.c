@@ -16,17 +16,16 @@ static const char *argument_of(const OptionSpec *spec) {
 
 // Prints `text` from OPTION_COLUMN on, broken between words.
 static void print_wrapped(const char *text) {
-    int column = OPTION_COLUMN;
+    int used = 0; // of the line
     while (*text) {
         int length = (int)strcspn(text, " ");
-        if (column + length > LINE_WIDTH) {
+        if (used > 0 && OPTION_COLUMN + used + 1 + length > LINE_WIDTH) {
             printf("\n%*s", OPTION_COLUMN, "");
-            column = OPTION_COLUMN;
+            used = 0;
         }
-        bool space = text[length] == ' ';
-        printf("%.*s%s", length, text, space ? " " : "");
-        column += length + space;
-        text += length + space;
+        used += printf("%s%.*s", used > 0 ? " " : "", length, text);
+        text += length;
+        text += *text == ' ';
     }
     putchar('\n');
 }

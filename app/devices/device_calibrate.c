@@ -199,7 +199,7 @@ static Result run(Session *session, double seconds_max) {
     if (calibrator_pads(&session->calibrator) == 0) {
         device_print_list(stdout, &session->list, devices_lack(session->devices));
         fflush(stdout);
-        log_error("devices: there is nothing to calibrate");
+        log_error("devices: there is nothing to calibrate: plug in a stick that may be read");
         return RESULT_NOT_FOUND;
     }
     ask_to_rest(seconds_max);

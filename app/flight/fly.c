@@ -45,14 +45,16 @@ static Result open_context(Fly *fly) {
     Result result = context_create_window(&wanted, &fly->context);
     if (result == RESULT_OK)
         return result;
+    if (ends_by_itself(fly)) {
+        log_warn("flying on without a window, as with --no-window, because this flight ends by itself; --pictures DIR "
+                 "keeps some of what it would show");
+        fly->window = false;
+        return context_create_offscreen(&wanted, &fly->context);
+    }
     log_info("For a window: run overfly in a desktop session, log in with 'ssh -X', or give it a virtual display:\n"
              "  xvfb-run -a -s '-screen 0 1280x800x24' overfly ...\n"
              "Without one: overfly fly --no-window --demo --pictures DIR");
-    if (!ends_by_itself(fly))
-        return result;
-    log_warn("flying on without a window, as with --no-window, because this flight ends by itself");
-    fly->window = false;
-    return context_create_offscreen(&wanted, &fly->context);
+    return result;
 }
 
 // Before anything slow: whether the track can be read at all.

@@ -200,5 +200,6 @@ void session_replay_advance(FlightSession *session, double passed_s) {
     timeline_advance(&session->timeline, passed_s);
     show_moment(session);
     if (session->telemetry)
-        telemetry_show(session->telemetry, session->timeline.t_s, &session->flight, session->world->geoid);
+        telemetry_show(session->telemetry, session->timeline.t_s, &session->flight, session->world->geoid,
+                       session->moment.only_path);
 }

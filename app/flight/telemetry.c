@@ -68,24 +68,33 @@ static double degrees(double radians) {
     return radians / GEODESY_RAD_PER_DEG;
 }
 
-static void write_line(const Telemetry *telemetry, double t_s, const Flight *flight, const Geoid *geoid) {
+// What moves the aircraft, and what moves in it.
+static void write_causes(FILE *file, const FlightInstruments *now, const FlightState *state) {
     static const char *const CONTACTS[] = {
         [FLIGHT_AIRBORNE] = "airborne", [FLIGHT_ROLLING] = "rolling", [FLIGHT_CRASHED] = "crashed"};
+    fprintf(file, "%.2f,%.2f,%.3f,%.3f,%.3f,%s\n", degrees(now->alpha_rad), now->load_factor, state->throttle,
+            state->flaps, state->gear, CONTACTS[state->contact]);
+}
+
+static void write_line(const Telemetry *telemetry, double t_s, const Flight *flight, const Geoid *geoid,
+                       bool only_path) {
     FlightInstruments now = flight_instruments(flight);
-    const FlightState *state = &flight->state;
     double lat_deg = degrees(now.lat_rad), lon_deg = degrees(now.lon_rad);
     fprintf(telemetry->file, "%.3f,%.8f,%.8f,%.2f,%.2f,%.2f,%.2f,", t_s, lat_deg, lon_deg,
             now.h_m - geoid_undulation_m(geoid, lat_deg, lon_deg), degrees(now.heading_rad), degrees(now.pitch_rad),
             degrees(now.bank_rad));
     if (now.over_ground) // else nothing is known of it
         fprintf(telemetry->file, "%.2f", now.above_ground_m);
-    fprintf(telemetry->file, ",%.2f,%.2f,%.2f,%.2f,%.3f,%.3f,%.3f,%s\n", now.calibrated_airspeed,
-            now.vertical_speed_m_s, degrees(now.alpha_rad), now.load_factor, state->throttle, state->flaps, state->gear,
-            CONTACTS[state->contact]);
+    if (only_path) {
+        fprintf(telemetry->file, ",,%.2f,,,,,,\n", now.vertical_speed_m_s);
+        return;
+    }
+    fprintf(telemetry->file, ",%.2f,%.2f,", now.calibrated_airspeed, now.vertical_speed_m_s);
+    write_causes(telemetry->file, &now, &flight->state);
 }
 
-static void tell(Telemetry *telemetry, double t_s, const Flight *flight, const Geoid *geoid) {
-    write_line(telemetry, t_s, flight, geoid);
+static void tell(Telemetry *telemetry, double t_s, const Flight *flight, const Geoid *geoid, bool only_path) {
+    write_line(telemetry, t_s, flight, geoid, only_path);
     telemetry->shown_s = t_s;
     telemetry->failed = fflush(telemetry->file) != 0;
     if (telemetry->failed)
@@ -94,12 +103,12 @@ static void tell(Telemetry *telemetry, double t_s, const Flight *flight, const G
 
 void telemetry_step(Telemetry *telemetry, const Flight *flight, const Geoid *geoid) {
     if (!telemetry->failed && telemetry->steps % TELEMETRY_STEPS == 0)
-        tell(telemetry, (double)telemetry->steps * FLIGHT_STEP_S, flight, geoid);
+        tell(telemetry, (double)telemetry->steps * FLIGHT_STEP_S, flight, geoid, false);
     telemetry->steps++;
 }
 
-void telemetry_show(Telemetry *telemetry, double t_s, const Flight *flight, const Geoid *geoid) {
+void telemetry_show(Telemetry *telemetry, double t_s, const Flight *flight, const Geoid *geoid, bool only_path) {
     bool due = !(fabs(t_s - telemetry->shown_s) < TELEMETRY_STEPS * FLIGHT_STEP_S - 1e-9); // at first it is no number
     if (!telemetry->failed && due)
-        tell(telemetry, t_s, flight, geoid);
+        tell(telemetry, t_s, flight, geoid, only_path);
 }

@@ -17,6 +17,7 @@ bool telemetry_is_one(const char *path);
 MUST_USE Result telemetry_create(const char *path, Telemetry **out);
 void telemetry_destroy(Telemetry **telemetry);
 // After each step; every TELEMETRY_STEPS a line. A file that cannot be written any more is told once.
-// Of a replay: at times of the recorded flight, which may go backwards.
-void telemetry_show(Telemetry *telemetry, double t_s, const Flight *flight, const Geoid *geoid);
+// Of a replay: at times of the recorded flight, which may go backwards. `only_path`: what a path does not tell
+// (airspeed, angle of attack, load, controls, contact) stays empty.
+void telemetry_show(Telemetry *telemetry, double t_s, const Flight *flight, const Geoid *geoid, bool only_path);
 void telemetry_step(Telemetry *telemetry, const Flight *flight, const Geoid *geoid);

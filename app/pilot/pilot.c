@@ -86,8 +86,6 @@ static void disconnect(Pilot *pilot, Keyboard *keyboard, int slot, char message[
 
 static void deny(const DeviceEvent *event, char message[PILOT_MESSAGE_BYTES]) {
     snprintf(message, PILOT_MESSAGE_BYTES, "%.60s cannot be read: see overfly devices", event->info.name);
-    log_warn("joystick: %s cannot be read: %s; 'overfly devices' tells the remedy", event->info.path,
-             strerror(event->error));
 }
 
 static bool differs(const PadState *a, const PadState *b) {

@@ -14,7 +14,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#define SLOPE_S 0.05 // to either side: how speed and turning are got from places and attitudes
+#define SLOPE_S 0.05   // to either side: how speed and turning are got from places and attitudes
+#define LAND_LOOKS 200 // points of a track that are looked for over the ground
 
 struct Playback {
     const Geoid *geoid;
@@ -106,6 +107,28 @@ static Result open_recording(const char *path, const PlaybackOptions *options, P
     return recording_player_create(playback->reader, &playback->sim, &playback->player);
 }
 
+static void warn_of_other_land(const char *path, const Track *track, const FlightGround *ground) {
+    const Viewpoint *begin = &track->points[0].at;
+    double height_m;
+    for (int i = 0; ground->height && i < LAND_LOOKS; i++) {
+        const Viewpoint *at = &track->points[(int64_t)i * (track->count - 1) / (LAND_LOOKS - 1)].at;
+        if (ground->height(ground->user, at->lat_deg * GEODESY_RAD_PER_DEG, at->lon_deg * GEODESY_RAD_PER_DEG,
+                           &height_m))
+            return;
+    }
+    if (ground->height)
+        log_warn("%s: the flight is nowhere over this land, it begins at %.4f, %.4f: name an elevation model of there "
+                 "after it",
+                 path, begin->lat_deg, begin->lon_deg);
+}
+
+static Result open_track(const char *path, const PlaybackOptions *options, Playback *playback) {
+    Result result = track_load(path, &options->how, &playback->track);
+    if (result == RESULT_OK)
+        warn_of_other_land(path, &playback->track, &options->ground);
+    return result;
+}
+
 Result playback_open(const char *path, const PlaybackOptions *options, Playback **out) {
     Playback *playback = calloc(1, sizeof *playback);
     if (!playback) {
@@ -113,8 +136,8 @@ Result playback_open(const char *path, const PlaybackOptions *options, Playback 
         return RESULT_MEMORY;
     }
     playback->geoid = options->how.geoid;
-    Result result = playback_is_recording(path) ? open_recording(path, options, playback)
-                                                : track_load(path, &options->how, &playback->track);
+    Result result =
+        playback_is_recording(path) ? open_recording(path, options, playback) : open_track(path, options, playback);
     if (result == RESULT_OK)
         *out = playback;
     else

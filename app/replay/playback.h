@@ -30,7 +30,7 @@ bool playback_is_recording(const char *path);
 MUST_USE Result playback_read_header(const char *path, RecordingHeader *out);
 
 // Errors of track_load, or of recording_reader_open and aircraft_load. What differs from where it was recorded is
-// warned of.
+// warned of, and a track that is nowhere over the ground.
 MUST_USE Result playback_open(const char *path, const PlaybackOptions *options, Playback **out);
 void playback_close(Playback **playback);
 

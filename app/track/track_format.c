@@ -84,6 +84,10 @@ static const TrackFormat *find_ending(const char *path) {
     return NULL;
 }
 
+bool track_is_named(const char *path) {
+    return find_ending(path) != NULL;
+}
+
 Result track_format_of_ending(const char *path, const TrackFormat **out) {
     char endings[128];
     const TrackFormat *format = find_ending(path);

@@ -39,6 +39,8 @@ typedef struct TrackFormat {
 // Ends with a row without a name. A format is known by its row here and nowhere else.
 extern const TrackFormat track_formats[];
 
+// Whether the name ends as that of a flight does; the file isn't looked at.
+bool track_is_named(const char *path);
 // By the file's contents, else by its ending. NOT_FOUND, IO; FORMAT lists the formats there are.
 MUST_USE Result track_format_of_file(const char *path, const TrackFormat **out);
 // By the ending alone, of a file to be written. USAGE lists the endings there are.
