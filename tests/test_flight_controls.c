@@ -63,20 +63,33 @@ static void opposite_keys_cancel_and_repeats_do_not_stick(void **state) {
     assert_false(keyboard_touches_controls(&keyboard));
 }
 
-static void rudder_and_throttle_stay_until_changed(void **state) {
+// As if springs held the pedals.
+static void the_rudder_deflects_slowly_while_held_and_centres_when_let_go(void **state) {
+    (void)state;
+    Keyboard keyboard = keyboard_create(0.0);
+    keyboard_on_key(&keyboard, KEY_ENTER, true, false);
+    Controls half = hold(&keyboard, 0.5 * KEYBOARD_RUDDER_S);
+    assert_true(half.rudder > 0.45 && half.rudder < 0.55);
+    assert_true(hold(&keyboard, 1.0).rudder == 1.0);
+    keyboard_on_key(&keyboard, KEY_ENTER, false, false);
+    keyboard_on_key(&keyboard, '0', true, false); // the other way: back to the middle as fast as let go
+    Controls other = hold(&keyboard, KEYBOARD_CENTRE_S + 0.5 * KEYBOARD_RUDDER_S);
+    assert_true(other.rudder < -0.45 && other.rudder > -0.55);
+    keyboard_on_key(&keyboard, '0', false, false);
+    assert_true(hold(&keyboard, 0.5 * KEYBOARD_CENTRE_S + STEP).rudder == 0.0);
+}
+
+static void throttle_stays_until_changed(void **state) {
     (void)state;
     Keyboard keyboard = keyboard_create(0.9);
     keyboard_on_key(&keyboard, KEY_ENTER, true, false);
     keyboard_on_key(&keyboard, KEY_PAGE_UP, true, false);
     hold(&keyboard, 0.5);
-    keyboard_on_key(&keyboard, KEY_ENTER, false, false);
     keyboard_on_key(&keyboard, KEY_PAGE_UP, false, false);
     Controls later = hold(&keyboard, 3.0);
-    assert_true(later.rudder > 0.45 && later.rudder < 0.55);
-    assert_true(later.throttle == 1.0);
-    keyboard_centre(&keyboard);
-    Controls centred = hold(&keyboard, STEP);
-    assert_true(centred.rudder == 0.0 && centred.throttle == 1.0);
+    assert_true(later.rudder == 1.0 && later.throttle == 1.0);
+    keyboard_centre(&keyboard); // at once, whatever is held
+    assert_true(keyboard.controls.rudder == 0.0 && keyboard.controls.throttle == 1.0);
 }
 
 static void presses_come_in_order_and_shift_matters(void **state) {
@@ -414,7 +427,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_stick_deflects_while_held_and_centres_when_let_go),
         cmocka_unit_test(opposite_keys_cancel_and_repeats_do_not_stick),
-        cmocka_unit_test(rudder_and_throttle_stay_until_changed),
+        cmocka_unit_test(the_rudder_deflects_slowly_while_held_and_centres_when_let_go),
+        cmocka_unit_test(throttle_stays_until_changed),
         cmocka_unit_test(presses_come_in_order_and_shift_matters),
         cmocka_unit_test(every_action_has_keys_and_help),
         cmocka_unit_test(options_name_the_methods_that_there_are),
