@@ -161,6 +161,7 @@ static void options_name_the_methods_that_there_are(void **state) {
     }
     assert_string_equal(option_spec(OPTION_METHOD)->choices, names);
     assert_string_equal(option_spec(OPTION_COMPARE)->choices, names);
+    assert_string_equal(option_spec(OPTION_AIRCRAFT)->default_text, AIRCRAFT_DEFAULT);
 }
 
 static void a_governed_flight_gets_more_time_for_finer(void **state) {
@@ -349,6 +350,33 @@ static void on_the_ground_it_stands_until_the_throttle_is_moved(void **state) {
     leave(started);
 }
 
+static const RenderHud *told(FlightSession *session) {
+    static FrameOrder order; // too big for some stacks
+    session_order(session, 640, 400, 0.0, 0.0, &order);
+    return &order.look.hud;
+}
+
+// Of hands and feet; what an autopilot does with the surfaces is no news.
+static void the_display_tells_rudder_and_trim_that_the_pilot_holds(void **state) {
+    (void)state;
+    Started *started = start_with(OPTION_ASSIST, "no");
+    FlightSession *session = &started->session;
+    session_on_key(session, '0', true, false);
+    session_on_key(session, KEY_END, true, false);
+    double trim = told(session)->trim;
+    session_advance(session, 0.25);
+    assert_true(fabs(told(session)->rudder + 0.25 / KEYBOARD_RUDDER_S) < 0.02);
+    assert_true(fabs(told(session)->trim - trim - 0.25 / KEYBOARD_TRIM_S) < 2e-3);
+    session_on_key(session, '0', false, false);
+    session_on_key(session, KEY_END, false, false);
+    session_advance(session, KEYBOARD_CENTRE_S);
+    assert_true(told(session)->rudder == 0.0);
+    session_on_key(session, 'O', true, false);
+    session_advance(session, 0.1);
+    assert_true(told(session)->autopilot && told(session)->trim == 0.0);
+    leave(started);
+}
+
 static void flaps_gear_brakes_and_trim_follow_their_keys(void **state) {
     (void)state;
     Keyboard keyboard = keyboard_create(0.0);
@@ -440,6 +468,7 @@ int main(void) {
         cmocka_unit_test(re_simulation_is_far_faster_than_time),
         cmocka_unit_test(a_scene_starts_with_speed_to_spare_where_the_air_is_thin),
         cmocka_unit_test(on_the_ground_it_stands_until_the_throttle_is_moved),
+        cmocka_unit_test(the_display_tells_rudder_and_trim_that_the_pilot_holds),
         cmocka_unit_test(flaps_gear_brakes_and_trim_follow_their_keys),
         cmocka_unit_test(broken_demos_are_refused_with_file_and_line),
         cmocka_unit_test(percentiles_are_of_the_latest_and_the_longest_of_all),
