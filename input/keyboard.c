@@ -60,9 +60,10 @@ static double approach(double value, double target, double step) {
     return value < target ? fmin(value + step, target) : fmax(value - step, target);
 }
 
-static double move_stick(double value, int wanted, double dt_s) {
+// `full_s`: from centre to full deflection.
+static double move_sprung(double value, int wanted, double full_s, double dt_s) {
     bool returns = wanted == 0 || value * wanted < 0.0;
-    return approach(value, wanted, dt_s / (returns ? KEYBOARD_CENTRE_S : KEYBOARD_STICK_S));
+    return approach(value, wanted, dt_s / (returns ? KEYBOARD_CENTRE_S : full_s));
 }
 
 static double clamp(double value, double least, double greatest) {
@@ -71,13 +72,12 @@ static double clamp(double value, double least, double greatest) {
 
 Controls keyboard_sample(Keyboard *keyboard, double dt_s) {
     Controls *controls = &keyboard->controls;
-    controls->elevator =
-        move_stick(controls->elevator, keyboard_direction(keyboard, ACTION_STICK_FORWARD, ACTION_STICK_BACK), dt_s);
-    controls->aileron =
-        move_stick(controls->aileron, keyboard_direction(keyboard, ACTION_STICK_LEFT, ACTION_STICK_RIGHT), dt_s);
-    controls->rudder +=
-        keyboard_direction(keyboard, ACTION_RUDDER_LEFT, ACTION_RUDDER_RIGHT) * dt_s / KEYBOARD_RUDDER_S;
-    controls->rudder = clamp(controls->rudder, -1.0, 1.0);
+    int pitch = keyboard_direction(keyboard, ACTION_STICK_FORWARD, ACTION_STICK_BACK);
+    int roll = keyboard_direction(keyboard, ACTION_STICK_LEFT, ACTION_STICK_RIGHT);
+    int yaw = keyboard_direction(keyboard, ACTION_RUDDER_LEFT, ACTION_RUDDER_RIGHT);
+    controls->elevator = move_sprung(controls->elevator, pitch, KEYBOARD_STICK_S, dt_s);
+    controls->aileron = move_sprung(controls->aileron, roll, KEYBOARD_STICK_S, dt_s);
+    controls->rudder = move_sprung(controls->rudder, yaw, KEYBOARD_RUDDER_S, dt_s);
     controls->throttle +=
         keyboard_direction(keyboard, ACTION_THROTTLE_DOWN, ACTION_THROTTLE_UP) * dt_s / KEYBOARD_THROTTLE_S;
     controls->throttle = clamp(controls->throttle, 0.0, 1.0);

@@ -8,7 +8,7 @@
 #define KEYBOARD_QUEUE 64       // presses kept between two looks; later ones are dropped
 #define KEYBOARD_STICK_S 0.45   // from centre to full deflection while a key is held
 #define KEYBOARD_CENTRE_S 0.25  // from full deflection back, after the key is let go
-#define KEYBOARD_RUDDER_S 1.0   // stays where it is left, until centred
+#define KEYBOARD_RUDDER_S 1.0   // from centre to full deflection while a key is held: slower, to steer by on the ground
 #define KEYBOARD_THROTTLE_S 2.5 // from idle to full; stays
 #define KEYBOARD_TRIM_S 8.0     // from the middle to the end; stays
 #define KEYBOARD_FLAPS 3        // notches from up to full
@@ -30,8 +30,8 @@ void keyboard_on_action(Keyboard *keyboard, Action action, bool pressed);
 // The next action that happens once, in order of presses; ACTION_NONE when there is none left.
 Action keyboard_next_action(Keyboard *keyboard);
 
-// Moves the controls on by `dt_s`, and gives them. Stick: deflects while held, re-centres when let go; opposite keys
-// cancel. Rudder, throttle and trim stay where they are left. Brakes: full while held.
+// Moves the controls on by `dt_s`, and gives them. Stick and rudder: deflect while held, as springs hold real ones,
+// re-centre when let go; opposite keys cancel. Throttle and trim stay where they are left. Brakes: full while held.
 Controls keyboard_sample(Keyboard *keyboard, double dt_s);
 void keyboard_centre(Keyboard *keyboard);
 // To the next notch, down or up.

@@ -39,6 +39,26 @@ typedef struct RenderReplay {
     bool derived; // the attitude was worked out from the path
 } RenderReplay;
 
+#define RENDER_TRAIL_PLACES 602
+
+// Of a way over the ground.
+typedef struct RenderMapPlace {
+    Vec3d ecef;
+    bool apart; // no line leads here from the place before
+    bool stop;  // to be marked
+} RenderMapPlace;
+
+// What is drawn over a view straight down.
+typedef struct RenderMap {
+    bool show;
+    double ground_m;             // from the eye down to the ground, > 0: what the scale holds for
+    const RenderMapPlace *route; // that is to be flown, or was recorded; constant, and lives as long as the renderer
+    int route_count;
+    int next; // of the route: the stop that is flown to; -1: none
+    int trail_count;
+    RenderMapPlace trail[RENDER_TRAIL_PLACES]; // flown, oldest first
+} RenderMap;
+
 typedef struct RenderHud {
     bool show_flight, show_numbers, show_help;
     double heading_rad, pitch_rad, bank_rad;
@@ -52,8 +72,10 @@ typedef struct RenderHud {
     bool gear_retracts; // `gear` is told
     double gear;        // 0 up .. 1 down and locked
     bool brakes, autopilot;
+    double trim, rudder; // that the pilot holds, shares of full: + nose up, + nose right; 0: neutral, or not told
     bool outside; // the camera is not on board: instead of the attitude the aircraft is marked where it is small, at
     Vec3d aircraft_ecef, nose_ecef, wing_ecef; // metres; unit, ahead; unit, to the right
+    RenderMap map;
     bool show_names;               // where the picture is split and show_numbers is not set: the methods and their cuts
     const char *datum;             // of altitude_m: "EGM96"; static
     const char *method;            // lod_method_name of what made the cut; static, or NULL

@@ -1,5 +1,6 @@
 // The views of a flight: where the eye is, what it looks at, and that no view loses the aircraft or goes underground.
 #include "app/flight/camera.h"
+#include "app/flight/flight_map.h"
 #include "terrain/geodesy.h"
 
 #include <math.h>
@@ -107,6 +108,97 @@ static void test_the_map_has_north_up_and_the_aircraft_in_its_middle(void **stat
     assert_true(fabs(north.x) < 1.0 && north.y > 1000.0);
 }
 
+// The map of now, for the aircraft in its middle.
+static RenderCamera tell(const FlightMap *map, const Flight *flight, int next, RenderMap *out) {
+    const CameraRig rig = {0};
+    RenderCamera camera = camera_of_flight(flight, &rig, CAMERA_MAP, 1.0);
+    flight_map_tell(map, flight, &camera, true, next, out);
+    return camera;
+}
+
+// Pixels of a focal length of 1, between two places of the ground in the picture's middle, are what ground_m says.
+static void test_the_map_knows_what_its_scale_holds_for(void **state) {
+    (void)state;
+    static FlightMap map;
+    static RenderMap told;
+    static const double ABOVE[] = {2.0, 500.0, 9000.0};
+    for (size_t i = 0; i < COUNT_OF(ABOVE); i++) {
+        Flight flight = flight_at(47.0, 2.0, ABOVE[i], 60.0);
+        RenderCamera camera = tell(&map, &flight, -1, &told);
+        Geodetic below = geodesy_from_ecef(flight.state.position_ecef);
+        below.h_m = GROUND_M;
+        Vec3d place = geodesy_to_ecef(below), east = vec3d(-sin(below.lon_rad), cos(below.lon_rad), 0.0);
+        Vec3d here = seen(&camera, place), there = seen(&camera, vec3d_mad(place, east, 100.0));
+        double apart = there.x / -there.z - here.x / -here.z;
+        print_message("%.0f m above: the ground is %.3f m below the eye\n", ABOVE[i], told.ground_m);
+        assert_true(fabs(apart * told.ground_m / 100.0 - 1.0) < 1e-6);
+    }
+}
+
+static double height_m(const RenderMapPlace *place) {
+    return geodesy_from_ecef(place->ecef).h_m;
+}
+
+static void test_the_trail_lies_on_the_ground_and_keeps_the_last_minutes(void **state) {
+    (void)state;
+    static FlightMap map;
+    static RenderMap told;
+    Flight flight = flight_at(47.0, 0.7, 500.0, 60.0);
+    for (int i = 0; i <= 64 * 20; i++, move(&flight, 1.0 / 64.0))
+        flight_map_note(&map, &flight, i / 64.0);
+    (void)tell(&map, &flight, -1, &told);
+    assert_int_equal(told.trail_count, 22); // 0 .. 20 s, and now
+    for (int i = 0; i < told.trail_count; i++) {
+        assert_true(fabs(height_m(&told.trail[i]) - GROUND_M) < 1e-3 && told.trail[i].apart == (i == 0));
+        double way_m = i ? vec3d_distance(told.trail[i].ecef, told.trail[i - 1].ecef) : 60.0;
+        assert_true(i == told.trail_count - 1 ? way_m < 2.0 : fabs(way_m - 60.0) < 0.1);
+    }
+    for (int i = 21; i <= 30; i++) // it stands
+        flight_map_note(&map, &flight, i);
+    (void)tell(&map, &flight, -1, &told);
+    assert_int_equal(told.trail_count, 22);
+    flight.state.position_ecef = vec3d_add(flight.state.position_ecef, vec3d(0, 0, 5000.0)); // a new start
+    flight_map_note(&map, &flight, 31.0);
+    for (int i = 32; i < 32 + FLIGHT_MAP_TRAIL - 5; i++, move(&flight, 1.0))
+        flight_map_note(&map, &flight, i);
+    (void)tell(&map, &flight, -1, &told);
+    int gaps = 0;
+    for (int i = 1; i < told.trail_count; i++)
+        gaps += told.trail[i].apart;
+    assert_int_equal(told.trail_count, FLIGHT_MAP_TRAIL + 1);
+    assert_int_equal(gaps, 1);
+    flight_map_note(&map, &flight, 0.0); // somebody jumped in time
+    (void)tell(&map, &flight, -1, &told);
+    assert_int_equal(told.trail_count, 2);
+}
+
+static void test_the_route_of_a_demo_leads_from_stop_to_stop(void **state) {
+    (void)state;
+    static FlightMap map;
+    static RenderMap told;
+    static Demo demo;
+    Flight flight = flight_at(47.0, 0.7, 500.0, 60.0);
+    double lat_rad = 47.0 * GEODESY_RAD_PER_DEG;
+    demo.waypoints[0] = (Waypoint){lat_rad + 1e-3, 0.301, 2000.0, 60.0};
+    demo.waypoints[1] = (Waypoint){lat_rad, 0.303, 1500.0, 60.0};
+    demo.count = 2;
+    flight_map_take_demo(&map, &flight, &demo);
+    (void)tell(&map, &flight, 1, &told);
+    int stops = 0;
+    for (int i = 0; i < told.route_count; i++) {
+        assert_true(fabs(height_m(&told.route[i]) - GROUND_M) < 1e-3);
+        if (!told.route[i].stop)
+            continue;
+        Geodetic at = geodesy_from_ecef(told.route[i].ecef);
+        assert_true(fabs(at.lat_rad - demo.waypoints[stops].lat_rad) < 1e-9);
+        assert_true(fabs(at.lon_rad - demo.waypoints[stops].lon_rad) < 1e-9);
+        assert_true((told.next == i) == (stops == 1));
+        stops++;
+    }
+    print_message("%d places, %d of them stops\n", told.route_count, stops);
+    assert_true(stops == 2 && told.route_count > 20);
+}
+
 static void test_the_free_camera_begins_where_the_view_was_and_goes_where_it_is_flown(void **state) {
     (void)state;
     Flight flight = flight_at(47.0, 0.7, 500.0, 60.0);
@@ -152,6 +244,9 @@ int main(void) {
         cmocka_unit_test(test_every_view_is_a_camera_above_the_ground),
         cmocka_unit_test(test_the_fly_by_looks_at_the_aircraft_and_waits_for_it_again_ahead),
         cmocka_unit_test(test_the_map_has_north_up_and_the_aircraft_in_its_middle),
+        cmocka_unit_test(test_the_map_knows_what_its_scale_holds_for),
+        cmocka_unit_test(test_the_trail_lies_on_the_ground_and_keeps_the_last_minutes),
+        cmocka_unit_test(test_the_route_of_a_demo_leads_from_stop_to_stop),
         cmocka_unit_test(test_a_head_turns_in_the_cockpit),
         cmocka_unit_test(test_the_free_camera_begins_where_the_view_was_and_goes_where_it_is_flown),
     };

@@ -63,20 +63,33 @@ static void opposite_keys_cancel_and_repeats_do_not_stick(void **state) {
     assert_false(keyboard_touches_controls(&keyboard));
 }
 
-static void rudder_and_throttle_stay_until_changed(void **state) {
+// As if springs held the pedals.
+static void the_rudder_deflects_slowly_while_held_and_centres_when_let_go(void **state) {
+    (void)state;
+    Keyboard keyboard = keyboard_create(0.0);
+    keyboard_on_key(&keyboard, KEY_ENTER, true, false);
+    Controls half = hold(&keyboard, 0.5 * KEYBOARD_RUDDER_S);
+    assert_true(half.rudder > 0.45 && half.rudder < 0.55);
+    assert_true(hold(&keyboard, 1.0).rudder == 1.0);
+    keyboard_on_key(&keyboard, KEY_ENTER, false, false);
+    keyboard_on_key(&keyboard, '0', true, false); // the other way: back to the middle as fast as let go
+    Controls other = hold(&keyboard, KEYBOARD_CENTRE_S + 0.5 * KEYBOARD_RUDDER_S);
+    assert_true(other.rudder < -0.45 && other.rudder > -0.55);
+    keyboard_on_key(&keyboard, '0', false, false);
+    assert_true(hold(&keyboard, 0.5 * KEYBOARD_CENTRE_S + STEP).rudder == 0.0);
+}
+
+static void throttle_stays_until_changed(void **state) {
     (void)state;
     Keyboard keyboard = keyboard_create(0.9);
     keyboard_on_key(&keyboard, KEY_ENTER, true, false);
     keyboard_on_key(&keyboard, KEY_PAGE_UP, true, false);
     hold(&keyboard, 0.5);
-    keyboard_on_key(&keyboard, KEY_ENTER, false, false);
     keyboard_on_key(&keyboard, KEY_PAGE_UP, false, false);
     Controls later = hold(&keyboard, 3.0);
-    assert_true(later.rudder > 0.45 && later.rudder < 0.55);
-    assert_true(later.throttle == 1.0);
-    keyboard_centre(&keyboard);
-    Controls centred = hold(&keyboard, STEP);
-    assert_true(centred.rudder == 0.0 && centred.throttle == 1.0);
+    assert_true(later.rudder == 1.0 && later.throttle == 1.0);
+    keyboard_centre(&keyboard); // at once, whatever is held
+    assert_true(keyboard.controls.rudder == 0.0 && keyboard.controls.throttle == 1.0);
 }
 
 static void presses_come_in_order_and_shift_matters(void **state) {
@@ -148,6 +161,7 @@ static void options_name_the_methods_that_there_are(void **state) {
     }
     assert_string_equal(option_spec(OPTION_METHOD)->choices, names);
     assert_string_equal(option_spec(OPTION_COMPARE)->choices, names);
+    assert_string_equal(option_spec(OPTION_AIRCRAFT)->default_text, AIRCRAFT_DEFAULT);
 }
 
 static void a_governed_flight_gets_more_time_for_finer(void **state) {
@@ -336,6 +350,33 @@ static void on_the_ground_it_stands_until_the_throttle_is_moved(void **state) {
     leave(started);
 }
 
+static const RenderHud *told(FlightSession *session) {
+    static FrameOrder order; // too big for some stacks
+    session_order(session, 640, 400, 0.0, 0.0, &order);
+    return &order.look.hud;
+}
+
+// Of hands and feet; what an autopilot does with the surfaces is no news.
+static void the_display_tells_rudder_and_trim_that_the_pilot_holds(void **state) {
+    (void)state;
+    Started *started = start_with(OPTION_ASSIST, "no");
+    FlightSession *session = &started->session;
+    session_on_key(session, '0', true, false);
+    session_on_key(session, KEY_END, true, false);
+    double trim = told(session)->trim;
+    session_advance(session, 0.25);
+    assert_true(fabs(told(session)->rudder + 0.25 / KEYBOARD_RUDDER_S) < 0.02);
+    assert_true(fabs(told(session)->trim - trim - 0.25 / KEYBOARD_TRIM_S) < 2e-3);
+    session_on_key(session, '0', false, false);
+    session_on_key(session, KEY_END, false, false);
+    session_advance(session, KEYBOARD_CENTRE_S);
+    assert_true(told(session)->rudder == 0.0);
+    session_on_key(session, 'O', true, false);
+    session_advance(session, 0.1);
+    assert_true(told(session)->autopilot && told(session)->trim == 0.0);
+    leave(started);
+}
+
 static void flaps_gear_brakes_and_trim_follow_their_keys(void **state) {
     (void)state;
     Keyboard keyboard = keyboard_create(0.0);
@@ -414,7 +455,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_stick_deflects_while_held_and_centres_when_let_go),
         cmocka_unit_test(opposite_keys_cancel_and_repeats_do_not_stick),
-        cmocka_unit_test(rudder_and_throttle_stay_until_changed),
+        cmocka_unit_test(the_rudder_deflects_slowly_while_held_and_centres_when_let_go),
+        cmocka_unit_test(throttle_stays_until_changed),
         cmocka_unit_test(presses_come_in_order_and_shift_matters),
         cmocka_unit_test(every_action_has_keys_and_help),
         cmocka_unit_test(options_name_the_methods_that_there_are),
@@ -426,6 +468,7 @@ int main(void) {
         cmocka_unit_test(re_simulation_is_far_faster_than_time),
         cmocka_unit_test(a_scene_starts_with_speed_to_spare_where_the_air_is_thin),
         cmocka_unit_test(on_the_ground_it_stands_until_the_throttle_is_moved),
+        cmocka_unit_test(the_display_tells_rudder_and_trim_that_the_pilot_holds),
         cmocka_unit_test(flaps_gear_brakes_and_trim_follow_their_keys),
         cmocka_unit_test(broken_demos_are_refused_with_file_and_line),
         cmocka_unit_test(percentiles_are_of_the_latest_and_the_longest_of_all),

@@ -131,6 +131,7 @@ static bool rects_overlap(CanvasRect a, CanvasRect b) {
 static int list_rects(const HudLayout *l, NamedRect out[16]) {
     const NamedRect all[] = {
         {"heading", l->heading},
+        {"states", l->states},
         {"speed title", l->speed_title},
         {"speed notes", l->speed_notes},
         {"altitude title", l->altitude_title},
@@ -174,7 +175,8 @@ static int count_layout_faults(int width, int height, bool numbers, bool accurac
                         outside ? "leaves the window" : "lies in the circle", (double)r.x0, (double)r.y0, (double)r.x1,
                         (double)r.y1);
     }
-    if (layout.radius < 60.0f && ++faults)
+    float least = width >= 640 && height >= 400 ? 60.0f : 14.0f;
+    if (layout.radius < least && ++faults)
         print_error("%dx%d: a circle of %.0f pixels\n", width, height, (double)layout.radius);
     return faults;
 }
@@ -182,8 +184,8 @@ static int count_layout_faults(int width, int height, bool numbers, bool accurac
 static void parts_do_not_overlap_at_any_size(void **state) {
     (void)state;
     int faults = 0, sizes = 0;
-    for (int width = 640; width <= 4096; width += 32)
-        for (int height = 400; height <= 2400; height += 16, sizes++)
+    for (int width = HUD_WIDTH_LEAST; width <= 4096; width += 32)
+        for (int height = HUD_HEIGHT_LEAST; height <= 2400; height += 16, sizes++)
             for (int numbers = 0; numbers < 4 && faults < 40; numbers++)
                 faults += count_layout_faults(width, height, numbers % 2 != 0, numbers >= 2);
     print_message("%d sizes: expected 0 faults, found %d\n", sizes, faults);
@@ -281,6 +283,9 @@ static RenderPacket extreme_packet(void) {
     packet.hud.above_ground_m = 98765432.0;
     packet.hud.vertical_speed_m_s = -9876.5;
     packet.hud.frame_ms = packet.hud.frame_p99_ms = 12345.6;
+    packet.hud.brakes = packet.hud.gear_retracts = packet.hud.autopilot = packet.hud.stalls = true;
+    packet.hud.gear = packet.hud.flaps = 1.0;
+    packet.hud.trim = packet.hud.rudder = -1.0;
     packet.hud.datum = "ellipsoid";
     packet.hud.crashed = true;
     packet.hud.help = HELP;
@@ -331,12 +336,13 @@ static void text_stays_inside_and_apart_at_its_widest(void **state) {
     RenderStats previous = {
         .upload_bytes = 999949999, .vram_bytes = 99994999999, .upload_ms = 1234.5, .draw_ms = 1234.5, .software = true};
     int faults = 0;
-    const int SIZES[][2] = {{640, 400},   {640, 480},   {640, 1200},  {800, 400},  {800, 600},
+    const int SIZES[][2] = {{320, 200},   {320, 1200},  {480, 300},   {639, 399},  {1200, 200},
+                            {640, 400},   {640, 480},   {640, 1200},  {800, 400},  {800, 600},
                             {921, 576},   {1024, 768},  {1280, 720},  {1280, 800}, {1366, 768},
                             {1920, 1080}, {2560, 1080}, {3840, 2160}, {4096, 500}};
     previous.right = (RenderCutStats){.upload_bytes = 1, .upload_ms = 1234.5, .draw_ms = 1234.5};
     for (size_t i = 0; i < COUNT_OF(SIZES); i++)
-        for (int variant = 0; variant < 12; variant++) { // without and with the panel of accuracy
+        for (int variant = 0; variant < 18; variant++) { // without and with the panel of accuracy; of the map
             int help = variant % 6;                      // and help; for whole pictures, split ones, with names only
             LodItem items[2] = {{.level = 0, .partition = 0}, {.level = 30, .partition = 63}};
             RenderPacket packet = extreme_packet();
@@ -350,8 +356,12 @@ static void text_stays_inside_and_apart_at_its_widest(void **state) {
             packet.hud.right_method = "roam-parallel";
             packet.hud.show_numbers = help < 4;
             packet.hud.show_names = help >= 4;
-            if (variant >= 6)
+            if (variant >= 6 && variant < 12)
                 packet.hud.accuracy = extreme_accuracy();
+            packet.hud.outside = packet.hud.map.show = variant >= 12;
+            packet.hud.map.ground_m = 12345.6;
+            packet.hud.crashed = variant % 2;
+            packet.hud.replay = (RenderReplay){true, 35999.0, 35999.0, -64.0, false, true, true};
             hud_paint(bench->canvas, bench->text, &packet, &previous, SIZES[i][0], SIZES[i][1]);
             int found = count_text_faults(bench->canvas, SIZES[i][0], SIZES[i][1]);
             if (found)
@@ -362,18 +372,76 @@ static void text_stays_inside_and_apart_at_its_widest(void **state) {
     assert_int_equal(faults, 0);
 }
 
-// Too small for all parts; but numbers stay finite, which the trap checks.
-static void smaller_windows_draw_something_finite(void **state) {
+static bool is_glyph(const CanvasShape *shape, const TextGlyph *glyph) {
+    return shape->kind == CANVAS_GLYPH && shape->b[0] == glyph->u0 && shape->b[1] == glyph->v0;
+}
+
+// The size of a text that was painted, from the box of its first glyph; 0: it was not.
+static float find_text(Bench *bench, const char *ascii) {
+    const CanvasShape *shapes;
+    int count = canvas_over(bench->canvas, &shapes), length = (int)strlen(ascii);
+    for (int i = 0; i + length <= count; i++) {
+        int same = 0;
+        while (same < length && is_glyph(&shapes[i + same], text_find_glyph(bench->text, (uint32_t)ascii[same])))
+            same++;
+        const TextGlyph *first = text_find_glyph(bench->text, (uint32_t)ascii[0]);
+        if (same == length)
+            return (shapes[i].a[3] - shapes[i].a[1]) / (first->y1 - first->y0);
+    }
+    return 0.0f;
+}
+
+// Of all at once, at their widest.
+static void every_state_is_told_at_every_size(void **state) {
     Bench *bench = *state;
-    const int SIZES[][2] = {{1, 1}, {2, 900}, {900, 2}, {16, 16}, {160, 100}, {320, 200}, {500, 300}};
+    static const char *const WORDS[] = {"BRAKE", "GEAR", "DN", "FLP", "AP", "TRIM", "RUD", "STALL"};
+    float least_px = INFINITY;
+    int told = 0;
+    for (int width = HUD_WIDTH_LEAST; width <= 1700; width += 46)
+        for (int height = HUD_HEIGHT_LEAST; height <= 1100; height += 50)
+            for (int variant = 0; variant < 4; variant++) {
+                RenderPacket packet = extreme_packet();
+                packet.hud.show_numbers = variant % 2;
+                packet.split = packet.hud.show_names = variant / 2;
+                hud_paint(bench->canvas, bench->text, &packet, NULL, width, height);
+                for (size_t i = 0; i < COUNT_OF(WORDS); i++, told++) {
+                    float size_px = find_text(bench, WORDS[i]);
+                    if (size_px == 0.0f)
+                        fail_msg("%dx%d, variant %d: no %s", width, height, variant, WORDS[i]);
+                    least_px = fminf(least_px, size_px);
+                }
+            }
+    print_message("%d words; expected in 8 px or more, found in %.1f\n", told, (double)least_px);
+    assert_true(least_px >= 8.0f);
+}
+
+static void what_is_neutral_is_not_told(void **state) {
+    Bench *bench = *state;
+    Place place = {0.6, -1.4, 12000.0};
+    RenderPacket packet = packet_make(place, axes_turn(place, 3.0, 0.05, 0.1), 60.0 * RAD);
+    hud_paint(bench->canvas, bench->text, &packet, NULL, 1280, 800);
+    static const char *const WORDS[] = {"BRAKE", "GEAR", "FLP", "AP", "TRIM", "RUD", "STALL"};
+    for (size_t i = 0; i < COUNT_OF(WORDS); i++)
+        if (find_text(bench, WORDS[i]) != 0.0f)
+            fail_msg("%s without a reason", WORDS[i]);
+    packet.hud.rudder = 0.25;
+    packet.hud.trim = -0.12;
+    hud_paint(bench->canvas, bench->text, &packet, NULL, 1280, 800);
+    assert_true(find_text(bench, "R") > 0.0f && find_text(bench, "25") > 0.0f && find_text(bench, "12") > 0.0f);
+}
+
+// Too small to be read: nothing; but numbers stay finite, which the trap checks.
+static void smaller_windows_have_no_display(void **state) {
+    Bench *bench = *state;
+    const int SIZES[][2] = {{1, 1}, {2, 900}, {900, 2}, {16, 16}, {160, 100}, {319, 200}, {320, 199}, {320, 200}};
     for (size_t i = 0; i < COUNT_OF(SIZES); i++)
         for (int help = 0; help < 2; help++) {
             RenderPacket packet = extreme_packet();
             packet.hud.show_help = help;
             hud_paint(bench->canvas, bench->text, &packet, NULL, SIZES[i][0], SIZES[i][1]);
             const CanvasShape *shapes;
-            int count = canvas_under(bench->canvas, &shapes);
-            assert_true(count > 0);
+            bool large = SIZES[i][0] >= HUD_WIDTH_LEAST && SIZES[i][1] >= HUD_HEIGHT_LEAST;
+            assert_true((canvas_under(bench->canvas, &shapes) > 0) == large);
         }
 }
 
@@ -612,6 +680,162 @@ static void marker_hides_at_rest_and_stays_finite_behind(void **state) {
     assert_true(x > 640.0 && x < 1280.0);
 }
 
+// ---- the map ----
+
+// Looking down from a height, the map turned: `heading` is up.
+static RenderPacket map_packet(Place ground, double above_m, double heading, double fov) {
+    Place eye = {ground.lat, ground.lon, ground.h + above_m};
+    RenderPacket packet = packet_make(eye, axes_turn(eye, heading, -90.0 * RAD, 0.0), fov);
+    packet.hud.pitch_rad = packet.hud.bank_rad = 0.0;
+    packet.hud.outside = packet.hud.map.show = true;
+    packet.hud.map.ground_m = above_m;
+    packet.hud.map.next = -1;
+    packet.hud.aircraft_ecef = place_ecef(ground);
+    return packet;
+}
+
+// The longest level line of the display's ink below the middle.
+static double scale_px(const Canvas *canvas, int height) {
+    const CanvasShape *shapes;
+    int count = canvas_over(canvas, &shapes);
+    double longest = 0.0;
+    for (int i = 0; i < count; i++)
+        if (shapes[i].kind == CANVAS_LINE && shapes[i].a[1] == shapes[i].a[3] && shapes[i].a[1] > 0.5f * (float)height)
+            longest = fmax(longest, fabs((double)(shapes[i].a[2] - shapes[i].a[0])));
+    return longest;
+}
+
+// Where a place of the ground appears.
+static void place_pixel(const RenderPacket *packet, Place place, int width, int height, long double out[2]) {
+    true_pixel(&packet->camera, vec3d_sub(place_ecef(place), packet->camera.eye_ecef), width, height, out);
+}
+
+// A round number of metres, as told, between two places that are so far apart.
+static void check_scale(Bench *bench, double above_m, double fov, const int size[2]) {
+    Place ground = {0.6, -1.4, 400.0};
+    RenderPacket packet = map_packet(ground, above_m, 1.0, fov);
+    hud_paint(bench->canvas, bench->text, &packet, NULL, size[0], size[1]);
+    double px = scale_px(bench->canvas, size[1]), e2 = 0.0066943799901413165;
+    double s = sin(ground.lat), across = 1.0 - e2 * s * s, along_m = 6378137.0 * (1.0 - e2) / (across * sqrt(across));
+    double step_m = 0.01 * above_m; // to the north, so little that the Earth is flat
+    long double here[2], there[2];
+    place_pixel(&packet, ground, size[0], size[1], here);
+    place_pixel(&packet, (Place){ground.lat + step_m / (along_m + ground.h), ground.lon, ground.h}, size[0], size[1],
+                there);
+    double told_m = px * step_m / (double)hypotl(there[0] - here[0], there[1] - here[1]);
+    double decade = pow(10.0, floor(log10(told_m * 1.001))), digit = round(told_m / decade);
+    char text[32];
+    bool far = digit * decade > 999.0;
+    snprintf(text, sizeof text, far ? "%.0fkm" : "%.0fm", digit * decade / (far ? 1000.0 : 1.0));
+    print_message("%dx%d, %.0f m, %.0f degrees: %.1f px, %.3f m: \"%s\"\n", size[0], size[1], above_m, fov / RAD, px,
+                  told_m, text);
+    assert_true(px > 25.0 && fabs(told_m / (digit * decade) - 1.0) < 1e-3);
+    assert_true(digit == 1.0 || digit == 2.0 || digit == 5.0);
+    assert_true(find_text(bench, text) > 0.0f); // spaces are no shapes
+}
+
+static void the_scale_of_the_map_is_as_long_as_it_says(void **state) {
+    Bench *bench = *state;
+    const int SIZES[][2] = {{320, 200}, {640, 400}, {1280, 800}, {1920, 1080}};
+    for (size_t i = 0; i < COUNT_OF(SIZES); i++)
+        for (double above_m = 700.0; above_m < 90000.0; above_m *= 3.7)
+            check_scale(bench, above_m, (i % 2 ? 60.0 : 25.0) * RAD, SIZES[i]);
+}
+
+// The middle and the tip of the lowest triangle: the tip is farthest from the middle.
+static bool find_arrow(const Canvas *canvas, int height, double middle[2], double tip[2]) {
+    const CanvasShape *shapes;
+    int count = canvas_over(canvas, &shapes);
+    for (int i = count - 1; i >= 0; i--) {
+        const float *a = shapes[i].a, *b = shapes[i].b;
+        const double corners[3][2] = {
+            {(double)a[0], (double)a[1]}, {(double)a[2], (double)a[3]}, {(double)b[0], (double)b[1]}};
+        double farthest = 0.0;
+        if (shapes[i].kind != CANVAS_TRIANGLE || corners[0][1] < 0.5 * height)
+            continue;
+        for (int k = 0; k < 2; k++)
+            middle[k] = (corners[0][k] + corners[1][k] + corners[2][k]) / 3.0;
+        for (int k = 0; k < 3; k++) {
+            double away = hypot(corners[k][0] - middle[0], corners[k][1] - middle[1]);
+            if (away > farthest)
+                memcpy(tip, corners[k], sizeof corners[k]);
+            farthest = fmax(farthest, away);
+        }
+        return true;
+    }
+    return false;
+}
+
+static void north_is_north_however_the_map_is_turned(void **state) {
+    Bench *bench = *state;
+    double worst = 0.0;
+    for (int degrees = 0; degrees < 360; degrees += 15) {
+        Place ground = {-0.9 + 0.08 * (degrees / 15), 0.2 * degrees / 15, 100.0};
+        RenderPacket packet = map_packet(ground, 4000.0, degrees * RAD, 60.0 * RAD);
+        hud_paint(bench->canvas, bench->text, &packet, NULL, 1280, 800);
+        double middle[2] = {0}, tip[2] = {0};
+        assert_true(find_arrow(bench->canvas, 800, middle, tip));
+        long double here[2], there[2];
+        place_pixel(&packet, ground, 1280, 800, here);
+        place_pixel(&packet, (Place){ground.lat + 1e-5, ground.lon, ground.h}, 1280, 800, there);
+        double pointed = atan2(tip[1] - middle[1], tip[0] - middle[0]);
+        double north = atan2((double)(there[1] - here[1]), (double)(there[0] - here[0]));
+        worst = fmax(worst, fabs(remainder(pointed - north, 2.0 * 180.0 * RAD)));
+        assert_true(find_text(bench, "N") > 0.0f);
+    }
+    print_message("24 maps: north within %.4f degrees\n", worst / RAD);
+    assert_true(worst < 0.01 * RAD);
+}
+
+// Whether a line of that colour, below all else, begins or ends within half a pixel of a point.
+static bool way_touches(const Canvas *canvas, CanvasColour colour, const long double at[2]) {
+    const CanvasShape *shapes;
+    int count = canvas_under(canvas, &shapes);
+    for (int i = 0; i < count; i++) {
+        const float *a = shapes[i].a;
+        if (shapes[i].kind == CANVAS_LINE && is_colour(&shapes[i], colour) &&
+            fminf(hypotf(a[0] - (float)at[0], a[1] - (float)at[1]), hypotf(a[2] - (float)at[0], a[3] - (float)at[1])) <
+                0.5f)
+            return true;
+    }
+    return false;
+}
+
+static void ways_lie_on_their_places_and_inside_the_picture(void **state) {
+    Bench *bench = *state;
+    Place ground = {0.7, 0.2, 500.0};
+    RenderMapPlace route[5];
+    for (int i = 0; i < 5; i++) // to the north-east, the last ones outside
+        route[i] = (RenderMapPlace){place_ecef((Place){0.7 + 1e-4 * i, 0.2 + 1e-4 * i, 100.0 * i}), i == 0, true};
+    RenderPacket packet = map_packet(ground, 2000.0, 0.6, 60.0 * RAD);
+    packet.hud.map.route = route;
+    packet.hud.map.route_count = COUNT_OF(route);
+    packet.hud.map.next = 1;
+    for (int i = 0; i < 4; i++) // with a gap in the middle
+        packet.hud.map.trail[packet.hud.map.trail_count++] =
+            (RenderMapPlace){place_ecef((Place){0.7 - 4e-5 * i, 0.2, 500.0}), i == 2, false};
+    hud_paint(bench->canvas, bench->text, &packet, NULL, 1280, 800);
+    const CanvasShape *shapes;
+    int count = canvas_under(bench->canvas, &shapes), trail_lines = 0;
+    for (int i = 0; i < 2; i++) {
+        long double at[2];
+        true_pixel(&packet.camera, vec3d_sub(route[i].ecef, packet.camera.eye_ecef), 1280, 800, at);
+        assert_true(way_touches(bench->canvas, HUD_INK, at));
+        true_pixel(&packet.camera, vec3d_sub(packet.hud.map.trail[i].ecef, packet.camera.eye_ecef), 1280, 800, at);
+        assert_true(way_touches(bench->canvas, HUD_ACCENT, at));
+    }
+    for (int i = 0; i < count; i++) {
+        const float *a = shapes[i].a;
+        if (shapes[i].kind != CANVAS_LINE)
+            continue;
+        bool way = is_colour(&shapes[i], HUD_INK) || is_colour(&shapes[i], HUD_ACCENT);
+        trail_lines += is_colour(&shapes[i], HUD_ACCENT);
+        assert_true(!way || (fminf(a[0], a[2]) > -1.0f && fmaxf(a[0], a[2]) < 1281.0f && fminf(a[1], a[3]) > -1.0f &&
+                             fmaxf(a[1], a[3]) < 801.0f));
+    }
+    assert_int_equal(trail_lines, 2);
+}
+
 // ---- continuity ----
 
 #define CELL_PX 32
@@ -681,25 +905,28 @@ static void paint_scales_only(const HudPainter *painter, const RenderPacket *pac
     hud_paint_scales(painter, &packet->hud);
 }
 
-static double worst_change(Bench *bench, const Manoeuvre *m, PaintPart *paint, bool with_text, int steps) {
+// From step to step, and from each second step to the next.
+static void worst_changes(Bench *bench, const Manoeuvre *m, PaintPart *paint, bool with_text, double *fine,
+                          double *coarse) {
+    enum { STEPS = 7200 };
     Place place = {0.7, 0.3, 3000.0};
     Axes start = axes_turn(place, 0.4, m->pitch * RAD, m->bank * RAD);
-    Ink before;
-    double worst = 0.0;
-    for (int i = 0; i <= steps; i++) {
-        Axes axes = turn_about(start, m->axis, 2.0 * 180.0 * RAD * i / steps);
+    static Ink inks[3];
+    *fine = *coarse = 0.0;
+    for (int i = 0; i <= STEPS; i++) {
+        Axes axes = turn_about(start, m->axis, 2.0 * 180.0 * RAD * i / STEPS);
         RenderPacket packet = packet_make(place, axes, 60.0 * RAD);
         packet.hud.velocity_ecef = vec3d_mad(vec3d_scale(axes.forward, 70.0), axes.up, -5.0);
         HudPainter painter = {bench->canvas, bench->text, hud_layout_make(1280, 800, true),
                               hud_view_make(&packet.camera, 1280, 800)};
         canvas_begin(bench->canvas, 1.0f);
         paint(&painter, &packet);
-        Ink now = ink_of(bench->canvas, with_text);
+        inks[i % 3] = ink_of(bench->canvas, with_text);
         if (i > 0)
-            worst = fmax(worst, ink_change(&before, &now));
-        before = now;
+            *fine = fmax(*fine, ink_change(&inks[(i + 2) % 3], &inks[i % 3]));
+        if (i > 0 && i % 2 == 0)
+            *coarse = fmax(*coarse, ink_change(&inks[(i + 1) % 3], &inks[i % 3]));
     }
-    return worst;
 }
 
 // Steps half as large change a continuous picture about half as much at most; a jump stays as large as it was.
@@ -721,8 +948,8 @@ static void picture_is_continuous_through_loops_and_rolls(void **state) {
     for (size_t i = 0; i < COUNT_OF(MANOEUVRES); i++)
         for (int part = 0; part < 2; part++) {
             PaintPart *paint = part == 0 ? hud_paint_attitude : paint_scales_only;
-            double coarse = worst_change(bench, &MANOEUVRES[i], paint, part == 0, 3600);
-            double fine = worst_change(bench, &MANOEUVRES[i], paint, part == 0, 7200);
+            double fine, coarse;
+            worst_changes(bench, &MANOEUVRES[i], paint, part == 0, &fine, &coarse);
             print_message("%-40s %-9s 0.1 deg: %8.3f px of ink, 0.05 deg: %8.3f\n", MANOEUVRES[i].name,
                           part == 0 ? "attitude" : "scales", coarse, fine);
             faults += fine > 0.75 * coarse + 1.5;
@@ -794,10 +1021,15 @@ int main(void) {
         cmocka_unit_test(accuracy_is_painted_whatever_it_is_told),
         cmocka_unit_test(the_present_point_moves_along_the_curve),
         cmocka_unit_test(text_stays_inside_and_apart_at_its_widest),
-        cmocka_unit_test(smaller_windows_draw_something_finite),
+        cmocka_unit_test(every_state_is_told_at_every_size),
+        cmocka_unit_test(what_is_neutral_is_not_told),
+        cmocka_unit_test(smaller_windows_have_no_display),
         cmocka_unit_test(horizon_is_within_half_a_pixel),
         cmocka_unit_test(flight_path_marker_is_within_half_a_pixel),
         cmocka_unit_test(marker_hides_at_rest_and_stays_finite_behind),
+        cmocka_unit_test(the_scale_of_the_map_is_as_long_as_it_says),
+        cmocka_unit_test(north_is_north_however_the_map_is_turned),
+        cmocka_unit_test(ways_lie_on_their_places_and_inside_the_picture),
         cmocka_unit_test(picture_is_continuous_through_loops_and_rolls),
         cmocka_unit_test(numbers_are_written_for_people),
         cmocka_unit_test(painting_allocates_nothing_after_warm_up),

@@ -411,6 +411,34 @@ static void keys_that_fly_wait_until_somebody_takes_over(void **state) {
     end_show(shown);
 }
 
+// ---- the map ----
+
+// The whole way, each second of it where it flew; and who watches sees no other flight for it.
+static void the_map_shows_the_way_of_all_of_the_recording(void **state) {
+    const Fixture *fixture = *state;
+    Shown *shown = show(fixture);
+    FlightSession *session = &shown->session;
+    session->settings.view = CAMERA_MAP;
+    fly_s(session, 1.0);
+    expect_at(shown, 1.0);
+    static FrameOrder order;
+    session_order(session, 640, 400, 0.0, 0.0, &order);
+    const RenderMap *map = &order.look.hud.map;
+    assert_true(map->show && map->next == -1);
+    assert_int_equal(map->route_count, STEPS / 120 + 1);
+    double worst_m = 0.0;
+    for (int i = 0; i < map->route_count; i++) {
+        Geodetic shows = geodesy_from_ecef(map->route[i].ecef);
+        FlightState flown = flown_state(&fixture->flown, (uint32_t)i * 120);
+        Geodetic was = geodesy_from_ecef(flown.position_ecef);
+        shows.h_m = was.h_m;
+        worst_m = fmax(worst_m, vec3d_distance(geodesy_to_ecef(shows), flown.position_ecef));
+    }
+    print_message("%d places within %.6f m, seen from above\n", map->route_count, worst_m);
+    assert_true(worst_m < 1e-3);
+    end_show(shown);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(keys_go_along_the_flight),
@@ -422,6 +450,7 @@ int main(void) {
         cmocka_unit_test(what_is_flown_after_taking_over_is_recorded),
         cmocka_unit_test(a_session_with_a_crash_and_a_reset_is_flown_again),
         cmocka_unit_test(the_last_minutes_are_saved_by_a_key),
+        cmocka_unit_test(the_map_shows_the_way_of_all_of_the_recording),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

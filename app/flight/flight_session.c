@@ -338,6 +338,11 @@ static void hear_recorder(FlightSession *session) {
         session_say(session, message);
 }
 
+// Of the flight that is flown or shown.
+static double session_time_s(const FlightSession *session) {
+    return session->playback ? session->timeline.t_s : (double)session->flight.state.step * FLIGHT_STEP_S;
+}
+
 void session_advance(FlightSession *session, double passed_s) {
     hear_recorder(session);
     if (session->pilot)
@@ -354,6 +359,9 @@ void session_advance(FlightSession *session, double passed_s) {
     watch_kiosk(session, passed_s);
     session->propeller_rad =
         fmod(session->propeller_rad + TURN_RAD * session_propeller_rps(session) * passed_s, TURN_RAD);
+    flight_map_note(&session->map, &session->flight, session_time_s(session));
+    if (session->playback && session->settings.view == CAMERA_MAP)
+        flight_map_look_ahead(&session->map, &session->flight.ground, session->playback);
     const CameraMotion motion = camera_motion(session);
     camera_rig_advance(&session->rig, &session->flight, session->settings.view, &motion, passed_s);
     session->message_s = fmax(session->message_s - passed_s, 0.0);

@@ -4,6 +4,7 @@
 #pragma once
 #include "app/demo/demo.h"
 #include "app/dynamics/flight_model.h"
+#include "app/flight/flight_map.h"
 #include "app/flight/flight_recorder.h"
 #include "app/flight/flight_settings.h"
 #include "app/flight/governor.h"
@@ -47,6 +48,7 @@ typedef struct FlightSession {
     FlightRecorder *recorder; // borrowed; NULL: nothing is recorded
     Demo demo;
     bool demo_flies;
+    FlightMap map;
     Playback *playback; // borrowed: shown instead of flying; NULL: flown
     Timeline timeline;
     PlaybackMoment moment;

@@ -66,6 +66,11 @@ double session_propeller_rps(const FlightSession *session) {
     return aircraft->engine == AIRCRAFT_PISTON ? session->flight.state.engine * aircraft->rated_speed : 0.0;
 }
 
+// The pilot's own hands and feet, as long as these move the aircraft.
+static bool pilot_flies(const FlightSession *session) {
+    return !session->playback && !session->demo_flies && !session->holds;
+}
+
 static RenderHud make_hud(const FlightSession *session, double frame_ms, double frame_p99_ms) {
     const FlightSettings *settings = &session->settings;
     FlightInstruments now = flight_instruments(&session->flight);
@@ -86,6 +91,9 @@ static RenderHud make_hud(const FlightSession *session, double frame_ms, double 
                        .gear_retracts = !only_path && session->aircraft.gear_s > 0.0,
                        .gear = state->gear,
                        .brakes = session->keyboard.controls.brake_left > 0.0 && !session->playback,
+                       // The help for keys trims by itself.
+                       .trim = pilot_flies(session) && !session->help.engaged ? session->keyboard.controls.trim : 0.0,
+                       .rudder = pilot_flies(session) ? session->keyboard.controls.rudder : 0.0,
                        .autopilot = session->holds && !session->demo_flies && !session->playback,
                        .altitude_m = session_altitude_m(session, &now),
                        .above_ground_m = now.above_ground_m,
@@ -124,6 +132,9 @@ void session_order(const FlightSession *session, int width, int height, double f
     look->wireframe = settings->wireframe;
     look->magenta_background = settings->magenta;
     look->hud = make_hud(session, frame_ms, frame_p99_ms);
+    if (settings->view == CAMERA_MAP)
+        flight_map_tell(&session->map, &session->flight, &look->camera, session->playback || session->demo_flies,
+                        session->demo_flies ? session->demo.next : -1, &look->hud.map);
     const double *back = look->camera.camera_from_ecef.m[2];
     order->view =
         (LodView){.eye_ecef = look->camera.eye_ecef,

@@ -86,6 +86,7 @@ Result session_begin_replay(FlightSession *session, Playback *playback, const Op
     session->timeline = timeline_create(playback_duration_s(playback));
     session->timeline.rate = options_choice(options, OPTION_REPLAY_RATE) - RATE_NORMAL;
     session->timeline.backwards = options_flag(options, OPTION_BACKWARDS);
+    flight_map_take_replay(&session->map, playback);
     Result result = find_start(session, options);
     if (result == RESULT_OK)
         show_moment(session);

@@ -121,6 +121,7 @@ static void start(const Options *options, const Viewpoint *view, FlightSession *
     if (session->demo_flies && session->demo.count == 0 && !session->demo.stick)
         demo_make_round(view, session->world->geoid, sight_distance(session->world, view), &session->demo);
     demo_begin(&session->demo, &session->flight.controls);
+    flight_map_take_demo(&session->map, &session->flight, &session->demo);
 }
 
 Result session_create(const World *world, const Options *options, FlightSession *out) {

@@ -25,8 +25,9 @@ struct Playback {
     RecordingPlayer *player;
     Aircraft aircraft;
     const char *aircraft_name; // the options' or the reader's
-    Flight flight;
-    RecordingSim sim;
+    Flight flight, scouted;
+    RecordingSim sim, scout_sim;
+    RecordingPlayer *scout;
     uint32_t first, end; // steps
     double step_s;
 };
@@ -100,11 +101,15 @@ static Result open_recording(const char *path, const PlaybackOptions *options, P
     warn_of_differences(header, playback, options->dem_hash);
     playback->flight = (Flight){.aircraft = &playback->aircraft, .ground = options->ground};
     flight_recording_weather(header, &playback->flight);
+    playback->scouted = playback->flight;
     playback->sim = flight_sim(&playback->flight);
+    playback->scout_sim = flight_sim(&playback->scouted);
     playback->first = recording_reader_first(playback->reader);
     playback->end = recording_reader_end(playback->reader);
     playback->step_s = 1.0 / header->steps_per_s;
-    return recording_player_create(playback->reader, &playback->sim, &playback->player);
+    result = recording_player_create(playback->reader, &playback->sim, &playback->player);
+    return result == RESULT_OK ? recording_player_create(playback->reader, &playback->scout_sim, &playback->scout)
+                               : result;
 }
 
 static void warn_of_other_land(const char *path, const Track *track, const FlightGround *ground) {
@@ -149,6 +154,7 @@ void playback_close(Playback **playback) {
     if (!*playback)
         return;
     recording_player_destroy(&(*playback)->player);
+    recording_player_destroy(&(*playback)->scout);
     recording_reader_close(&(*playback)->reader);
     track_clear(&(*playback)->track);
     free(*playback);
@@ -292,6 +298,15 @@ PlaybackMoment playback_at(Playback *playback, double t_s) {
 PlaybackMoment playback_at_step(Playback *playback, double t_s) {
     double share;
     return playback->reader ? moment_of_step(playback, step_of(playback, t_s, &share)) : moment_of_track(playback, t_s);
+}
+
+PlaybackMoment playback_scout(Playback *playback, double t_s) {
+    double share;
+    if (!playback->reader)
+        return moment_of_track(playback, t_s);
+    Result result = recording_player_seek(playback->scout, step_of(playback, t_s, &share));
+    return (PlaybackMoment){.state = playback->scouted.state,
+                            .in_gap = result != RESULT_OK || recording_player_is_in_gap(playback->scout)};
 }
 
 // ---- as a track ----

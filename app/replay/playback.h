@@ -46,6 +46,9 @@ Vec3d playback_wind(const Playback *playback);                // velocity of the
 PlaybackMoment playback_at(Playback *playback, double t_s);
 // The same, of a recording the last whole step: a state to fly on from.
 PlaybackMoment playback_at_step(Playback *playback, double t_s);
+// As playback_at_step, for somebody who looks along the flight beside the one who watches it: what that keeps, and
+// playback_first_difference, stay as they are.
+PlaybackMoment playback_scout(Playback *playback, double t_s);
 // The first step seen so far that was flown otherwise than recorded; -1: none, or no recording.
 int64_t playback_first_difference(const Playback *playback);
 // Flies the whole recording again. UNSUPPORTED: none; else as recording_verify.

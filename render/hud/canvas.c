@@ -19,7 +19,7 @@ typedef struct ShapeList {
 struct Canvas {
     ShapeList under, over;
     float unit_px;
-    bool halos;
+    bool halos, lower;
 };
 
 static bool list_reserve(ShapeList *list, int count) {
@@ -77,6 +77,10 @@ static CanvasShape halo_of(const CanvasShape *shape, float unit_px) {
 static void push_with_halo(Canvas *canvas, const CanvasShape *shape) {
     if (shape->rgba[3] == 0 || !is_finite_shape(shape))
         return;
+    if (canvas->lower) {
+        list_push(&canvas->under, shape);
+        return;
+    }
     if (canvas->halos) {
         CanvasShape halo = halo_of(shape, canvas->unit_px);
         list_push(&canvas->under, &halo);
@@ -109,10 +113,15 @@ void canvas_begin(Canvas *canvas, float unit_px) {
     canvas->under.count = canvas->over.count = 0;
     canvas->unit_px = unit_px;
     canvas->halos = true;
+    canvas->lower = false;
 }
 
 void canvas_set_halos(Canvas *canvas, bool on) {
     canvas->halos = on;
+}
+
+void canvas_set_lower(Canvas *canvas, bool lower) {
+    canvas->lower = lower;
 }
 
 void canvas_line(Canvas *canvas, CanvasPoint a, CanvasPoint b, float width_px, CanvasColour colour) {

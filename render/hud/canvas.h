@@ -48,6 +48,9 @@ void canvas_begin(Canvas *canvas, float unit_px);
 // Whether shapes get halos from here on, as they do after canvas_begin. A dense plate below makes up for them.
 void canvas_set_halos(Canvas *canvas, bool on);
 
+// Whether shapes from here on lie below all others but boxes drawn before, and get no halo; not so after canvas_begin.
+void canvas_set_lower(Canvas *canvas, bool lower);
+
 // All shapes get a dark halo that keeps them readable over snow as over forest; halos and filled boxes lie below all
 // other shapes. Shapes that are fully transparent, or not finite, are left out; a shape that finds no memory is left
 // out as well.

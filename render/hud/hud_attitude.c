@@ -277,9 +277,13 @@ static void paint_aircraft(const HudPainter *painter, const RenderHud *hud, Vec3
 
 void hud_paint_attitude(const HudPainter *painter, const RenderPacket *packet) {
     if (packet->hud.outside) {
+        if (packet->hud.map.show)
+            hud_paint_map(painter, packet);
         paint_aircraft(painter, &packet->hud, packet->camera.eye_ecef);
         return;
     }
+    if (painter->layout.radius <= 0.0f)
+        return;
     paint_ladder(painter);
     paint_horizon(painter);
     paint_nose(painter);

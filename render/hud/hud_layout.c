@@ -7,7 +7,8 @@
 #define UNIT_LEAST 0.72f // below it text could not be read
 #define PANEL_TEXT_LEAST_PX 10.5f
 #define PANEL_WIDTH_LEAST_PX 640 // of the window
-#define PANEL_HEIGHT_LEAST_PX 360
+#define PANEL_HEIGHT_LEAST_PX 400
+#define STATES_EM 28.0f // of text: what nearly all states take in one row; smaller text does the rest
 #define LEGEND_ROWS_LEAST 4
 #define ACCURACY_ROWS 26.5f
 #define ACCURACY_ROWS_LEAST 2.0f
@@ -34,6 +35,14 @@ static void place_heading(HudLayout *layout) {
     layout->heading = rect_round((CanvasRect){layout->centre.x - half, 10.0f * u, layout->centre.x + half, 70.0f * u});
 }
 
+// Between what stands in the corners; two rows where one would be too short.
+static void place_states(HudLayout *layout) {
+    float u = layout->unit, half = free_half_width(layout), top = layout->heading.y1;
+    float rows = 2.0f * half < STATES_EM * layout->small_px ? 2.0f : 1.0f;
+    layout->states = rect_round(
+        (CanvasRect){layout->centre.x - half, top, layout->centre.x + half, top + rows * layout->row_px + 1.0f * u});
+}
+
 static void place_lines(HudLayout *layout) {
     float u = layout->unit, left = MARGIN * u, right = layout->width - MARGIN * u, bottom = layout->height - 10.0f * u;
     layout->message = rect_round((CanvasRect){left, bottom - 28.0f * u, right, bottom});
@@ -41,11 +50,16 @@ static void place_lines(HudLayout *layout) {
     layout->note = rect_round((CanvasRect){left, bottom - 32.0f * u, right, bottom});
 }
 
+static float scale_width(const HudLayout *layout) {
+    return fmaxf(88.0f * layout->unit, 7.2f * layout->small_px);
+}
+
 static void place_circle(HudLayout *layout) {
     float u = layout->unit;
     float below = layout->note.y0 - layout->centre.y - 18.0f * u;
-    float above = layout->centre.y - layout->heading.y1 - 18.0f * u;
-    float room = fminf(fminf(236.0f * u, free_half_width(layout)), fminf(above, below));
+    float above = layout->centre.y - layout->states.y1 - 12.0f * u;   // no marks there, they are below
+    float aside = layout->centre.x - scale_width(layout) - 48.0f * u; // the scales stand beside it
+    float room = fminf(fminf(236.0f * u, fminf(aside, free_half_width(layout))), fminf(above, below));
     layout->radius = fmaxf(room, 20.0f * u); // in windows too small for all parts it still has a size
 }
 
@@ -55,10 +69,9 @@ static CanvasRect mirrored(const HudLayout *layout, CanvasRect rect) {
 
 // The speed's column left of the circle; under the panel where the window is too narrow for both side by side.
 static void place_speed(HudLayout *layout) {
-    float u = layout->unit, right = layout->centre.x - layout->radius - 40.0f * u,
-          left = right - fmaxf(88.0f * u, 7.2f * layout->small_px);
+    float u = layout->unit, right = layout->centre.x - layout->radius - 40.0f * u, left = right - scale_width(layout);
     bool under_panel = layout->panel.x1 + 8.0f * u > left;
-    float top = (under_panel ? layout->panel.y1 : 0.0f) + 8.0f * u;
+    float top = under_panel ? layout->panel.y1 + 8.0f * u : layout->states.y1;
     float middle = fmaxf(layout->centre.y, top + (18.0f + 16.0f) * u);
     float half = fminf(150.0f * u, fminf(middle - top - 18.0f * u, layout->note.y0 - 50.0f * u - middle));
     bool scale = half >= 48.0f * u;
@@ -114,7 +127,8 @@ void hud_layout_split(HudLayout *layout) {
     float u = layout->unit, x = layout->width * 0.25f, y = layout->centre.y;
     float beside = layout->speed_box.x0 - x - 20.0f * u;
     float above = hypotf(fmaxf(x - layout->panel.x1, 0.0f), y - layout->panel.y1) - 4.0f * u;
-    layout->radius = fmaxf(fminf(fminf(layout->radius, beside), above), 20.0f * u);
+    bool fits = beside >= 20.0f * u;
+    layout->radius = fits ? fmaxf(fminf(fminf(layout->radius, beside), above), 20.0f * u) : 0.0f;
     if (layout->panel.x1 > layout->panel.x0)
         place_legend_low(layout);
 }
@@ -129,6 +143,8 @@ static void place_accuracy(HudLayout *layout) {
         room.y1 = fminf(room.y0 + ACCURACY_ROWS * layout->row_px + 16.0f * u, layout->note.y0 - 8.0f * u);
     }
     layout->accuracy = rect_round(room);
+    layout->states.x1 = fminf(layout->states.x1, layout->accuracy.x0 - 8.0f * u);
+    layout->states.x0 = layout->width - layout->states.x1;
     CanvasRect legend = {layout->legend.x0, room.y1 + 8.0f * u, room.x1, layout->note.y0 - 8.0f * u};
     bool fits = !above && legend.y1 - legend.y0 >= least_legend(layout);
     layout->legend = fits ? rect_round(legend) : (CanvasRect){0};
@@ -171,6 +187,7 @@ HudLayout hud_layout_make(int width, int height, bool show_panels) {
     if (show_panels && width >= PANEL_WIDTH_LEAST_PX && height >= PANEL_HEIGHT_LEAST_PX)
         place_panel(&layout);
     place_heading(&layout);
+    place_states(&layout);
     place_lines(&layout);
     place_circle(&layout);
     place_speed(&layout);

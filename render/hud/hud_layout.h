@@ -6,17 +6,21 @@
 #include "render/render.h"
 
 #define HUD_PANEL_ROWS 16 // at most, with three gaps between groups
+#define HUD_WIDTH_LEAST 320
+#define HUD_HEIGHT_LEAST 200
 
-// Parts do not overlap and lie inside the window from 640 x 400 up; but `ladder` parts move over the picture inside the
-// circle, and `help` replaces all others.
+// Parts do not overlap and lie inside the window from HUD_WIDTH_LEAST x HUD_HEIGHT_LEAST up, and smaller windows have
+// nothing but the line between the halves; but `ladder` parts move over the picture inside the circle, and `help`
+// replaces all others.
 typedef struct HudLayout {
     float width, height;
     float unit;              // 1 at 1280 x 800; thin lines are a unit and a half
     float text_px, small_px; // sizes of text
     float row_px;            // of the panel
     CanvasPoint centre;
-    float radius;                           // of the bank scale; the ladder lies inside
+    float radius;                           // of the bank scale; the ladder lies inside; 0: a half has no room
     CanvasRect heading;                     // the scale with its readout
+    CanvasRect states;                      // gear, flaps and the like: one row below it, or two
     CanvasRect speed_scale, altitude_scale; // empty (y0 == y1) where there is no room for scales
     CanvasRect speed_box, altitude_box;     // the readouts
     CanvasRect speed_title, altitude_title; // one line above
@@ -31,7 +35,7 @@ typedef struct HudLayout {
     CanvasRect help; // the most that the page of keys may take
 } HudLayout;
 
-// `width`, `height` >= 1. `show_panels`: the panel of numbers, the legend, or both; below 640 x 360 there is no room.
+// `width`, `height` >= 1. `show_panels`: the panel of numbers, the legend, or both; below 640 x 400 there is no room.
 HudLayout hud_layout_make(int width, int height, bool show_panels);
 
 // For two halves with a view each: the scales near the middle, the circle as it fits into a half, its centre the

@@ -58,11 +58,15 @@ void hud_paint_flight(const HudPainter *painter, const RenderPacket *packet) {
     hud_paint_scales(painter, &packet->hud);
 }
 
-// Below the heading, where that is shown.
+static bool has_display(const HudLayout *layout) {
+    return layout->width >= HUD_WIDTH_LEAST && layout->height >= HUD_HEIGHT_LEAST;
+}
+
+// Below the heading and the states, where these are shown.
 void hud_paint_divider(const HudPainter *painter, const RenderPacket *packet) {
     const HudLayout *layout = &painter->layout;
     float x = (float)render_left_width((int)layout->width), width = 1.5f * layout->unit;
-    float y = packet->hud.show_flight ? layout->heading.y1 : 0.0f;
+    float y = packet->hud.show_flight && has_display(layout) ? layout->states.y1 : 0.0f;
     CanvasColour colour = hud_faded(HUD_INK, 0.8);
     canvas_line(painter->canvas, (CanvasPoint){x, y}, (CanvasPoint){x, layout->height}, width, colour);
 }
@@ -104,12 +108,15 @@ static HudPainter painter_of(Canvas *canvas, Text *text, const RenderPacket *pac
 
 static void paint_most(const HudPainter *painter, const RenderPacket *packet, const RenderStats *previous) {
     const RenderHud *hud = &packet->hud;
-    if (hud->show_help) {
+    bool display = has_display(&painter->layout);
+    if (display && hud->show_help) {
         hud_paint_help(painter, hud);
         return;
     }
     if (packet->split)
         hud_paint_divider(painter, packet);
+    if (!display)
+        return;
     if (hud->show_flight)
         hud_paint_flight(painter, packet);
     paint_panels(painter, packet, previous);

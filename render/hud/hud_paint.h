@@ -26,7 +26,9 @@ CanvasRect hud_accuracy_place(const RenderPacket *packet, int width, int height)
 // The parts.
 void hud_paint_flight(const HudPainter *painter, const RenderPacket *packet);   // with the following two
 void hud_paint_attitude(const HudPainter *painter, const RenderPacket *packet); // hud_attitude.c
-void hud_paint_scales(const HudPainter *painter, const RenderHud *hud);         // hud_scales.c
+void hud_paint_map(const HudPainter *painter, const RenderPacket *packet);      // hud_map.c
+void hud_paint_scales(const HudPainter *painter, const RenderHud *hud);         // hud_scales.c, with the next one
+void hud_paint_states(const HudPainter *painter, const RenderHud *hud);         // hud_states.c
 void hud_paint_numbers(const HudPainter *painter, const RenderPacket *packet,
                        const RenderStats *previous);                           // hud_panel.c
 void hud_paint_names(const HudPainter *painter, const RenderPacket *packet);   // the same without times

@@ -53,10 +53,11 @@ void hud_paint_replay(const HudPainter *painter, const RenderReplay *replay) {
     snprintf(state, sizeof state, "%s%s", replay->derived ? "attitude derived,  " : "", rate);
     canvas_box(painter->canvas, plate, 4.0f * u, HUD_PLATE_DENSE);
     float y = hud_baseline(painter, 0.5f * (plate.y0 + plate.y1), size), inset = 10.0f * u;
-    float times_px = text_width_px(painter->text, "00:00:00 / 00:00:00", size),
-          rate_px = text_width_px(painter->text, state, size);
+    float times_px = text_width_px(painter->text, "00:00:00 / 00:00:00", size);
+    float state_size = hud_fitting_size(painter, state, size, plate.x1 - plate.x0 - 3.0f * inset - times_px);
+    float rate_px = text_width_px(painter->text, state, state_size);
     hud_text(painter, (CanvasPoint){plate.x0 + inset, y}, size, CANVAS_LEFT, HUD_INK, times);
-    hud_text(painter, (CanvasPoint){plate.x1 - inset, y}, size, CANVAS_RIGHT, replay->in_gap ? HUD_WARN : HUD_INK,
+    hud_text(painter, (CanvasPoint){plate.x1 - inset, y}, state_size, CANVAS_RIGHT, replay->in_gap ? HUD_WARN : HUD_INK,
              state);
     CanvasRect bar = {plate.x0 + 2.0f * inset + times_px, 0.5f * (plate.y0 + plate.y1) - 2.5f * u,
                       plate.x1 - 2.0f * inset - rate_px, 0.5f * (plate.y0 + plate.y1) + 2.5f * u};

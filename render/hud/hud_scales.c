@@ -111,7 +111,7 @@ static void paint_scale(const HudPainter *painter, const Scale *scale) {
     }
 }
 
-// A line of text by a scale: a name on the left, what it is on the right; either may be empty.
+// A line of text by a scale: a name on the left, what it is on the right.
 typedef struct Note {
     const char *name, *value;
     CanvasColour colour; // of the value
@@ -126,36 +126,29 @@ static void paint_note(const HudPainter *painter, CanvasRect box, int line, cons
     hud_text(painter, (CanvasPoint){box.x1, y}, value_size, CANVAS_RIGHT, note->colour, note->value);
 }
 
+// Above a scale, or close above its readout where there is no scale.
+static void paint_title(const HudPainter *painter, CanvasRect box, CanvasAlign align, const char *text) {
+    float size = painter->layout.small_px, y = middle_of(box.y0, box.y1) - painter->layout.unit;
+    CanvasPoint at = {align == CANVAS_LEFT ? box.x0 : box.x1, hud_baseline(painter, y, size)};
+    hud_text(painter, at, size, align, HUD_DIM, text);
+}
+
 static bool has_third_note(CanvasRect box, float unit) {
     return box.y1 - box.y0 >= 50.0f * unit;
 }
 
-static void paint_throttle(const HudPainter *painter, double throttle, bool autopilot) {
+static void paint_throttle(const HudPainter *painter, double throttle) {
     const HudLayout *layout = &painter->layout;
     float u = layout->unit, share = (float)fmin(fmax(throttle, 0.0), 1.0);
     char text[HUD_NUMBER_BYTES + 4], number[HUD_NUMBER_BYTES];
     hud_format_fixed(number, throttle * 100.0, 0);
     snprintf(text, sizeof text, "%s %%", number);
-    paint_note(painter, layout->speed_notes, 0, &(Note){autopilot ? "AP" : "THR", text, HUD_INK});
+    paint_note(painter, layout->speed_notes, 0, &(Note){"THR", text, HUD_INK});
     CanvasRect bar = {layout->speed_notes.x0, layout->speed_notes.y0 + 24.0f * u, layout->speed_notes.x1,
                       layout->speed_notes.y0 + 29.0f * u};
     canvas_box(painter->canvas, bar, 2.0f * u, HUD_PLATE_DENSE);
     bar.x1 = bar.x0 + (bar.x1 - bar.x0) * share;
     canvas_box(painter->canvas, bar, 2.0f * u, HUD_ACCENT);
-}
-
-// Below the throttle: what is set otherwise than for flying on.
-static void paint_configuration(const HudPainter *painter, const RenderHud *hud) {
-    char flaps[HUD_NUMBER_BYTES + 8] = "", number[HUD_NUMBER_BYTES];
-    if (!has_third_note(painter->layout.speed_notes, painter->layout.unit))
-        return;
-    hud_format_fixed(number, hud->flaps * 100.0, 0);
-    if (hud->flaps > 0.005)
-        snprintf(flaps, sizeof flaps, "FLP %s %%", number);
-    bool moves = hud->gear > 0.0 && hud->gear < 1.0;
-    const char *gear = !hud->gear_retracts ? "" : moves ? "GEAR ..." : hud->gear > 0.0 ? "GEAR DN" : "GEAR UP";
-    Note note = {flaps, hud->brakes ? "BRAKE" : gear, moves || hud->brakes ? HUD_WARN : HUD_INK};
-    paint_note(painter, painter->layout.speed_notes, 2, &note);
 }
 
 static void paint_speed(const HudPainter *painter, const RenderHud *hud) {
@@ -166,9 +159,8 @@ static void paint_speed(const HudPainter *painter, const RenderHud *hud) {
     char value[HUD_NUMBER_BYTES];
     hud_format_fixed(value, speed, 0);
     paint_readout(painter, layout->speed_box, value, HUD_INK);
-    paint_note(painter, layout->speed_title, 0, &(Note){"", "km/h", HUD_DIM});
-    paint_throttle(painter, hud->throttle, hud->autopilot);
-    paint_configuration(painter, hud);
+    paint_title(painter, layout->speed_title, CANVAS_RIGHT, "km/h");
+    paint_throttle(painter, hud->throttle);
 }
 
 static void paint_altitude_notes(const HudPainter *painter, const RenderHud *hud) {
@@ -199,7 +191,7 @@ static void paint_altitude(const HudPainter *painter, const RenderHud *hud) {
     hud_format_fixed(value, hud->altitude_m, 0);
     paint_readout(painter, layout->altitude_box, value, HUD_INK);
     snprintf(title, sizeof title, "m %s", hud->datum ? hud->datum : "");
-    paint_note(painter, layout->altitude_title, 0, &(Note){title, "", HUD_DIM});
+    paint_title(painter, layout->altitude_title, CANVAS_LEFT, title);
     paint_altitude_notes(painter, hud);
 }
 
@@ -207,4 +199,5 @@ void hud_paint_scales(const HudPainter *painter, const RenderHud *hud) {
     paint_heading(painter, hud);
     paint_speed(painter, hud);
     paint_altitude(painter, hud);
+    hud_paint_states(painter, hud);
 }
