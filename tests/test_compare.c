@@ -20,6 +20,7 @@
 #include "tests/cut_support.h"
 #include "tests/gl_support.h"
 #include "tests/heard.h"
+#include "tests/slow.h"
 
 #define WIDTH 640
 #define HEIGHT 240
@@ -215,12 +216,14 @@ static int64_t check_halves(size_t vram_bytes, int frames) {
 }
 
 static void each_half_is_the_picture_of_its_method(void **state) {
+    SKIP_WHERE_THREADS_ARE_WATCHED();
     (void)state;
     assert_int_equal(check_halves((size_t)64 << 20, 8), 0);
 }
 
 // The least memory a cache takes holds either cut, and not both with what was drawn before.
 static void two_cuts_need_not_fit_into_the_memory_together(void **state) {
+    SKIP_WHERE_THREADS_ARE_WATCHED();
     (void)state;
     int64_t evictions = check_halves((size_t)4 << 20, 8);
     print_message("%lld evictions\n", (long long)evictions);
@@ -493,6 +496,7 @@ static int64_t check_fallback(bool threaded, LodMethod first) {
 }
 
 static void without_room_on_the_gpu_the_processor_makes_diamonds(void **state) {
+    SKIP_WHERE_THREADS_ARE_WATCHED();
     (void)state;
     assert_int_equal(check_fallback(false, LOD_HYBRID), 1);
     assert_int_equal(check_fallback(false, LOD_DIAMOND), 1);

@@ -6,6 +6,7 @@
 #include "terrain/patches/refine.h"
 #include "terrain/terrain_parts.h"
 #include "tests/cut_support.h"
+#include "tests/slow.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -384,6 +385,7 @@ static void test_any_split_bits_close_as_recursion_does_and_give_the_bintrees_tr
 }
 
 static void test_a_large_terrain_closes_as_recursion_does(void **state) {
+    SKIP_WHERE_THREADS_ARE_WATCHED();
     (void)state;
     uint64_t random = SEED;
     World w = rough_world(700, 519, &HILLS, 900.0, 3); // several chunks of rows
@@ -478,6 +480,7 @@ static void check_hybrid(World *w, const LodView *view) {
 }
 
 static void test_nested_errors_give_the_hybrid_methods_triangles(void **state) {
+    SKIP_WHERE_THREADS_ARE_WATCHED();
     (void)state;
     World w = rough_world(300, 233, &HILLS, 1200.0, 2);
     static const double taus[] = {0.4, 1.0, 6.0};
@@ -519,6 +522,7 @@ static void check_tolerance(const World *w, const LodView *view) {
 }
 
 static void test_what_is_not_split_keeps_the_tolerance(void **state) {
+    SKIP_WHERE_THREADS_ARE_WATCHED();
     (void)state;
     uint64_t random = SEED;
     World w = rough_world(230, 163, &METRES, 900.0, 2);
@@ -534,6 +538,7 @@ static void test_what_is_not_split_keeps_the_tolerance(void **state) {
 }
 
 static void test_runs_that_are_skipped_have_nothing_to_split(void **state) {
+    SKIP_WHERE_THREADS_ARE_WATCHED();
     (void)state;
     uint64_t random = SEED;
     World w = rough_world(700, 519, &HILLS, 900.0, 2);

@@ -4,6 +4,7 @@
 #include "base/arena.h"
 #include "base/log.h"
 #include "tests/cut_support.h"
+#include "tests/slow.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -116,10 +117,12 @@ static void check_sizes(LodMethod method, LodBound bound) {
 }
 
 static void test_cuts_are_whole_and_keep_what_they_promise(void **state) {
+    SKIP_WHERE_THREADS_ARE_WATCHED();
     check_sizes(method_of(state), LOD_BOUND_PUBLISHED);
 }
 
 static void test_every_sample_is_within_tau_where_the_bound_is_asked_for(void **state) {
+    SKIP_WHERE_THREADS_ARE_WATCHED();
     check_sizes(method_of(state), LOD_BOUND_CENTRE);
 }
 
@@ -257,6 +260,7 @@ static void test_any_number_of_workers_gives_the_same_bytes(void **state) {
 }
 
 static void test_what_is_kept_equals_what_is_made_from_scratch(void **state) {
+    SKIP_WHERE_THREADS_ARE_WATCHED();
     uint64_t kept = hash_of_flight(method_of(state), 2, 0, true), fresh = hash_of_flight(method_of(state), 2, 0, false);
     if (kept != fresh)
         fail_msg("kept %016" PRIx64 ", from scratch %016" PRIx64, kept, fresh);
@@ -349,6 +353,7 @@ static void test_a_frame_that_is_still_read_keeps_its_bytes(void **state) {
 // ---- the budget ----
 
 static void test_the_budget_holds_and_the_cut_says_which_error_it_reached(void **state) {
+    SKIP_WHERE_THREADS_ARE_WATCHED();
     if (method_of(state) == LOD_BRUTE) { // it has none
         skip();
     }

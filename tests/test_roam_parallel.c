@@ -4,6 +4,7 @@
 #include "base/log.h"
 #include "terrain/lod/partition.h"
 #include "tests/cut_support.h"
+#include "tests/slow.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -155,6 +156,7 @@ static Dem *with_holes(Dem *dem) {
 }
 
 static void test_no_cracks_on_awkward_sizes_and_around_holes(void **state) {
+    SKIP_WHERE_THREADS_ARE_WATCHED();
     (void)state;
     static const int SIZES[][3] = {{2, 2, 12}, {3, 5, 4}, {327, 468, 12}, {131, 67, 8}, {257, 2, 6}};
     int over = 0;
@@ -169,6 +171,7 @@ static void test_no_cracks_on_awkward_sizes_and_around_holes(void **state) {
 }
 
 static void test_no_cracks_where_the_budget_ends_on_one_side(void **state) {
+    SKIP_WHERE_THREADS_ARE_WATCHED();
     (void)state;
     int over = 0;
     for (int64_t budget = 2000; budget < 40000; budget = budget * 3 / 2)
@@ -212,6 +215,7 @@ static int64_t count_shared(const LodCut *cut) {
 }
 
 static void test_vertices_on_the_cut_are_counted(void **state) {
+    SKIP_WHERE_THREADS_ARE_WATCHED();
     (void)state;
     for (int partitions = 1; partitions <= 7; partitions += 2) {
         LodOptions options = options_of(LOD_ROAM_PARALLEL, partitions);
