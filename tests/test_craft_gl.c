@@ -121,7 +121,7 @@ static RenderPacket packet_of(const Shot *shot, Vec3d place) {
     Quatd body = quaternion_of(local.north, local.east, local.down);
     body = quatd_mul(body, quatd_from_axis_angle(vec3d(0, 0, 1), shot->heading_rad));
     body = quatd_mul(body, quatd_from_axis_angle(vec3d(1, 0, 0), shot->bank_rad));
-    packet.craft = (RenderCraft){true, shot->kind, place, body, shot->pose};
+    packet.craft = (RenderCraft){true, false, shot->kind, place, body, shot->pose};
     double azimuth = shot->heading_rad + shot->bearing_rad, level = cos(shot->elevation_rad);
     Vec3d away = local_vector(&local, level * cos(azimuth), level * sin(azimuth), -sin(shot->elevation_rad));
     Vec3d right = local_vector(&local, sin(azimuth), -cos(azimuth), 0.0), up = vec3d_cross(away, right);
