@@ -1,5 +1,6 @@
-// render/craft/craft_pass.h: draws an aircraft into the scene, in the same light and air as the land, and its shadow
-// for the land. Units as in render/frame.h. A CraftPass owns its program, buffers and models; thread of the context.
+// render/craft/craft_pass.h: draws an aircraft, in the same light and air as the land, and its shadow for the land.
+// Units as in render/frame.h.
+// A CraftPass owns its programs, buffers and models; thread of the context.
 #pragma once
 #include "render/craft/craft_cast.h"
 #include "render/frame.h"

@@ -7,7 +7,7 @@ layout(std140, binding = 4) uniform CraftShadeBlock {
 layout(binding = 15) uniform sampler2D craft_map; // share that the aircraft covers, depth times share
 
 const float SUN_TANGENT = 0.0046532;  // of the sun's angular radius
-const float GONE = 0.5, FADES = 0.3;  // radius of the sun's disc on the map: as wide as the aircraft; it fades from here
+const float GONE = 0.5, FADES = 0.3;  // radius of the sun's disc on the map: as wide as the aircraft; fading begins
 const float TOUCHES = 0.004;          // depth of what sinks into the ground, wheels say: it still throws a shadow
 
 // Middles of six circles around one, that fill a circle of radius 1; each is 1/3 wide.
