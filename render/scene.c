@@ -238,7 +238,6 @@ static CraftCast prepare_craft(Scene *scene, const RenderPacket *packet, const S
     if ((!craft->show && !craft->casts) || scene->craft_refused)
         return cast;
     const CraftLand land = {.terrain = scene->terrain,
-                            .globe_m = scene->frame.globe_m,
                             .coarse_rad =
                                 COARSE_SHARE * view->cut->view.tau_px / (double)scene->frame.block.ray_right[3],
                             .view_width = view->width,

@@ -23,7 +23,7 @@ typedef struct Caster {
     const CraftLand *land;
     Vec3d position, sun, right, top; // the map's axes
     Mat3d enu;
-    double reach_m, eye_m; // eye_m: how far away it is
+    double reach_m, eye_m, globe_m; // how far away the eye is; height of the globe above the ellipsoid
 } Caster;
 
 static double ground_m(const Caster *caster, Geodetic place, bool *on_globe) {
@@ -33,7 +33,7 @@ static double ground_m(const Caster *caster, Geodetic place, bool *on_globe) {
         isfinite(h_m))
         return h_m;
     *on_globe = true;
-    return caster->land->globe_m;
+    return caster->globe_m;
 }
 
 // Of the ground under a sphere.
@@ -178,8 +178,11 @@ CraftCast craft_cast_find(const CraftLand *land, const Frame *frame, Vec3d posit
     Vec3d sun = {(double)frame->block.sun[0], (double)frame->block.sun[1], (double)frame->block.sun[2]};
     Caster caster = {.land = land, .position = position_ecef, .sun = sun, .reach_m = reach_m};
     caster.eye_m = vec3d_distance(position_ecef, frame->eye_ecef);
+    // A metre up is somewhat more in round space.
+    Vec3d up = geodesy_up(place.lat_rad, place.lon_rad);
+    caster.globe_m = frame->globe_m / vec3d_length(frame_round(up));
     caster.enu = geodesy_enu_from_ecef(place.lat_rad, place.lon_rad);
-    if (vec3d_dot(geodesy_up(place.lat_rad, place.lon_rad), sun) < MU_LEAST)
+    if (vec3d_dot(up, sun) < MU_LEAST)
         return cast;
     craft_shadow_axes(sun, &caster.right, &caster.top);
     Stretch stretch = find_stretch(&caster);
