@@ -228,8 +228,21 @@ static void draw_wire(Scene *scene, const SceneView *view) {
 
 // ---- the aircraft ----
 
-// Where the land is off by no more than the tolerance, which is all that is known here, and some more.
+// Two times the tolerance, which holds where the view is centred; what promises nothing is off by more.
 #define COARSE_SHARE 2.0
+#define COARSE_M 0.2
+#define UNPROMISED_SHARE 16.0
+#define UNPROMISED_M 5.0
+
+static CraftLand land_of(const Scene *scene, const SceneView *view) {
+    double tolerance_rad = view->cut->view.tau_px / (double)scene->frame.block.ray_right[3];
+    bool promised = view->cut->promises;
+    return (CraftLand){.terrain = scene->terrain,
+                       .coarse_m = promised ? COARSE_M : UNPROMISED_M,
+                       .coarse_rad = (promised ? COARSE_SHARE : UNPROMISED_SHARE) * tolerance_rad,
+                       .view_width = view->width,
+                       .view_height = view->height};
+}
 
 // A flight without its aircraft is better than none.
 static CraftCast prepare_craft(Scene *scene, const RenderPacket *packet, const SceneView *view) {
@@ -237,11 +250,7 @@ static CraftCast prepare_craft(Scene *scene, const RenderPacket *packet, const S
     const RenderCraft *craft = &packet->craft;
     if ((!craft->show && !craft->casts) || scene->craft_refused)
         return cast;
-    const CraftLand land = {.terrain = scene->terrain,
-                            .coarse_rad =
-                                COARSE_SHARE * view->cut->view.tau_px / (double)scene->frame.block.ray_right[3],
-                            .view_width = view->width,
-                            .view_height = view->height};
+    const CraftLand land = land_of(scene, view);
     Result result = scene->craft_pass ? RESULT_OK : craft_pass_create(&scene->craft_pass);
     if (result == RESULT_OK)
         result = craft_pass_prepare(scene->craft_pass, &scene->frame, craft, &land, &cast);

@@ -14,7 +14,6 @@
 #include "base/arena.h"
 #include "render/atmosphere.h"
 #include "render/craft/craft_cast.h"
-#include "render/craft/craft_shadow.h"
 #include "render/gl.h"
 #include "render/render.h"
 #include "terrain/geodesy.h"
@@ -420,12 +419,13 @@ typedef struct Search {
     const Terrain *terrain;
     Frame frame;
     CraftCast cast;
-    Vec3d position, sun;
+    CraftBox box;
+    Vec3d sun;
     double reach_m;
     int rays, missed;
 } Search;
 
-// From a point within reach of the aircraft down the sun's ray to the ground, by small steps; then to the picture.
+// From a point of the aircraft down the sun's ray to the ground, by small steps; then to the picture.
 static void follow_ray(Search *search, Vec3d from) {
     double last_m = search->reach_m / CRAFT_SUN_TANGENT, ground_m;
     for (double along = 0.0; along < last_m; along += 0.5) {
@@ -466,9 +466,13 @@ static void random_search(uint64_t *seed, Search *search) {
                    .north = mat3d_mul_vec_transposed(&enu, vec3d(0.0, 1.0, 0.0)),
                    .up = mat3d_mul_vec_transposed(&enu, vec3d(0.0, 0.0, 1.0))};
     search->sun = sun_at(&place, between(seed, 0.0, 6.28), between(seed, 0.02, 1.5));
-    search->position = vec3d_mad(ground, place.up, exp(between(seed, 0.5, 6.0)));
-    search->reach_m = craft_shape_reach_m(craft_shape(CRAFT_C172));
-    Vec3d eye = vec3d_mad(search->position, place.up, between(seed, -5.0, 60.0));
+    search->box.position_ecef = vec3d_mad(ground, place.up, exp(between(seed, 0.5, 6.0)));
+    search->box.ecef_from_body = quatd_normalize((Quatd){between(seed, -1.0, 1.0), between(seed, -1.0, 1.0),
+                                                         between(seed, -1.0, 1.0), between(seed, -1.0, 1.0)});
+    search->box.low = vec3d(-5.0, -4.0, -1.0);
+    search->box.high = vec3d(2.0, 4.0, 1.0);
+    search->reach_m = 6.6;
+    Vec3d eye = vec3d_mad(search->box.position_ecef, place.up, between(seed, -5.0, 60.0));
     eye = vec3d_mad(eye, search->sun, between(seed, -100.0, 30.0));
     Vec3d back = vec3d_normalize(vec3d_mad(vec3d_scale(search->sun, between(seed, -0.5, 1.0)), place.up, 0.8));
     Vec3d right = vec3d_normalize(vec3d_cross(place.north, back)), up = vec3d_cross(back, right);
@@ -488,14 +492,13 @@ static void all_of_it_is_looked_for(void **state) {
     Search search = {.terrain = support_terrain(dem, TERRAIN_ERROR_TOTAL, 12, jobs)};
     const CraftLand land = {.terrain = search.terrain, .view_width = 1280, .view_height = 800};
     for (int i = 0; i < 200; i++) {
-        Vec3d right, top;
         random_search(&seed, &search);
-        craft_shadow_axes(search.sun, &right, &top);
-        search.cast = craft_cast_find(&land, &search.frame, search.position, search.reach_m);
+        search.cast = craft_cast_find(&land, &search.frame, &search.box, search.reach_m);
+        const Vec3d *low = &search.box.low, *high = &search.box.high;
         for (int j = 0; j < 8; j++) {
-            double turn = 0.785 * j, out = j % 2 ? search.reach_m : 0.5 * search.reach_m;
-            Vec3d from = vec3d_mad(search.position, right, out * cos(turn));
-            follow_ray(&search, vec3d_mad(from, top, out * sin(turn)));
+            Vec3d body = {between(&seed, low->x, high->x), between(&seed, low->y, high->y),
+                          between(&seed, low->z, high->z)};
+            follow_ray(&search, vec3d_add(search.box.position_ecef, quatd_rotate(search.box.ecef_from_body, body)));
         }
     }
     print_message("seed 20: %d rays to the ground in view, %d missed\n", search.rays, search.missed);

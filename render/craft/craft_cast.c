@@ -1,6 +1,5 @@
 #include "render/craft/craft_cast.h"
 
-#include "render/craft/craft_shadow.h"
 #include "terrain/geodesy.h"
 
 #include <math.h>
@@ -12,16 +11,29 @@
 #define EDGE_PX 2.0
 #define AROUND 4
 #define CORNERS 8
+#define POINTS (2 * CORNERS)
+#define UNEVEN 0.1    // of the reach: the ground between the places that are looked at
+#define FLATTEST 0.02 // cosine of the sun's angle off the ground's normal: below, all that is in reach is taken
 
-// Where along the ray from the sun the ground is within reach, and how high it is there.
+// Where along the ray from the sun the ground is within reach, and a slab that it lies in there.
 typedef struct Stretch {
     bool found, on_globe;
-    double from_m, to_m, low_m, high_m;
+    double from_m, to_m;
+    double nearest_m;     // of the sphere's middle to the ground that is nearest to one
+    Vec3d normal;         // of the ground there, unit
+    double low_m, high_m; // along it, from the aircraft
 } Stretch;
+
+// The ground around a place under a sphere: in the middle, to the east, north, west, south.
+typedef struct Under {
+    Vec3d at[AROUND + 1];
+    double low_m, high_m; // above the ellipsoid
+    bool on_globe;
+} Under;
 
 typedef struct Caster {
     const CraftLand *land;
-    Vec3d position, sun, right, top; // the map's axes
+    Vec3d position, sun;
     Mat3d enu;
     double reach_m, eye_m, globe_m; // how far away the eye is; height of the globe above the ellipsoid
 } Caster;
@@ -36,26 +48,32 @@ static double ground_m(const Caster *caster, Geodetic place, bool *on_globe) {
     return caster->globe_m;
 }
 
-// Of the ground under a sphere.
-static Stretch look_under(const Caster *caster, Vec3d at, double radius_m, double ground_here_m) {
-    static const double ASIDE[AROUND][2] = {{1.0, 0.0}, {0.0, 1.0}, {-1.0, 0.0}, {0.0, -1.0}};
-    Stretch under = {.low_m = ground_here_m, .high_m = ground_here_m};
-    for (int i = 0; i < AROUND; i++) {
+static Under look_under(const Caster *caster, Vec3d at, double radius_m) {
+    static const double ASIDE[AROUND + 1][2] = {{0.0, 0.0}, {1.0, 0.0}, {0.0, 1.0}, {-1.0, 0.0}, {0.0, -1.0}};
+    Under under = {.low_m = INFINITY, .high_m = -INFINITY};
+    Vec3d up = mat3d_mul_vec_transposed(&caster->enu, vec3d(0.0, 0.0, 1.0));
+    for (int i = 0; i <= AROUND; i++) {
         Vec3d aside = mat3d_mul_vec_transposed(&caster->enu, vec3d(ASIDE[i][0], ASIDE[i][1], 0.0));
-        double h_m = ground_m(caster, geodesy_from_ecef(vec3d_mad(at, aside, radius_m)), &under.on_globe);
+        Vec3d over = vec3d_mad(at, aside, radius_m);
+        Geodetic place = geodesy_from_ecef(over);
+        double h_m = ground_m(caster, place, &under.on_globe);
         under.low_m = fmin(under.low_m, h_m);
         under.high_m = fmax(under.high_m, h_m);
+        under.at[i] = vec3d_sub(vec3d_mad(over, up, h_m - place.h_m), caster->position);
     }
     return under;
 }
 
-static void extend(Stretch *stretch, const Stretch *under, double along_m) {
+static void extend(Stretch *stretch, const Under *under, double along_m, double away_m) {
     if (!stretch->found)
-        *stretch = (Stretch){true, false, along_m, along_m, under->low_m, under->high_m};
+        *stretch = (Stretch){.found = true, .from_m = along_m, .nearest_m = INFINITY};
     stretch->to_m = along_m;
-    stretch->low_m = fmin(stretch->low_m, under->low_m);
-    stretch->high_m = fmax(stretch->high_m, under->high_m);
     stretch->on_globe = stretch->on_globe || under->on_globe;
+    if (away_m >= stretch->nearest_m)
+        return;
+    stretch->nearest_m = away_m;
+    stretch->normal =
+        vec3d_normalize(vec3d_cross(vec3d_sub(under->at[1], under->at[3]), vec3d_sub(under->at[2], under->at[4])));
 }
 
 static double penumbra_m(double along_m) {
@@ -64,7 +82,15 @@ static double penumbra_m(double along_m) {
 
 // The ground that is drawn may be off by so much.
 static double slack_m(const Caster *caster, double along_m) {
-    return caster->land->coarse_rad * (caster->eye_m + along_m);
+    return caster->land->coarse_m + caster->land->coarse_rad * (caster->eye_m + along_m);
+}
+
+static double radius_m(const Caster *caster, double along_m) {
+    return BETWEEN_SPHERES * (caster->reach_m + penumbra_m(along_m)) + slack_m(caster, along_m);
+}
+
+static Vec3d along_ray(const Caster *caster, double along_m) {
+    return vec3d_mad(caster->position, caster->sun, -along_m);
 }
 
 // From sphere to sphere down the ray, until all of one is underground: what is farther lies in the land's own shadow.
@@ -72,41 +98,58 @@ static Stretch find_stretch(const Caster *caster) {
     Stretch stretch = {0};
     double along_m = 0.0, last_m = caster->reach_m / CRAFT_SUN_TANGENT;
     while (along_m <= last_m) {
-        Vec3d at = vec3d_mad(caster->position, caster->sun, -along_m);
-        double radius_m = BETWEEN_SPHERES * (caster->reach_m + penumbra_m(along_m)) + slack_m(caster, along_m);
+        Vec3d at = along_ray(caster, along_m);
+        double sphere_m = radius_m(caster, along_m);
         Geodetic place = geodesy_from_ecef(at);
         bool on_globe = false;
-        double here_m = ground_m(caster, place, &on_globe), clear_m = place.h_m - here_m - CLEAR_RADII * radius_m;
+        double above_m = place.h_m - ground_m(caster, place, &on_globe), clear_m = above_m - CLEAR_RADII * sphere_m;
         if (clear_m < 0.0) {
-            Stretch under = look_under(caster, at, radius_m, here_m);
-            under.on_globe = under.on_globe || on_globe;
-            if (place.h_m + radius_m < under.low_m)
+            Under under = look_under(caster, at, sphere_m);
+            if (place.h_m + sphere_m < under.low_m)
                 break;
-            if (place.h_m - radius_m < under.high_m)
-                extend(&stretch, &under, along_m);
+            if (place.h_m - sphere_m < under.high_m)
+                extend(&stretch, &under, along_m, fabs(above_m));
         }
         along_m += fmax(clear_m / DESCENT_MOST, caster->reach_m);
     }
     return stretch;
 }
 
-// The ends of the map's corner rays, between the lowest and the highest ground.
-static void find_corners(const Caster *caster, const Stretch *stretch, Vec3d corners[CORNERS]) {
-    Vec3d up = mat3d_mul_vec_transposed(&caster->enu, vec3d(0.0, 0.0, 1.0));
-    double mu = vec3d_dot(up, caster->sun), h_m = geodesy_from_ecef(caster->position).h_m;
-    double slack = slack_m(caster, stretch->to_m), most_m = stretch->to_m + 2.0 * caster->reach_m + slack;
-    double reach_m = caster->reach_m + penumbra_m(most_m), least_m = stretch->from_m - 2.0 * caster->reach_m - slack;
-    for (int i = 0; i < CORNERS / 2; i++) {
-        Vec3d corner = vec3d_mad(caster->position, caster->right, i & 1 ? reach_m : -reach_m);
-        corner = vec3d_mad(corner, caster->top, i & 2 ? reach_m : -reach_m);
-        double corner_m = h_m + vec3d_dot(up, vec3d_sub(corner, caster->position));
-        double from_m = least_m, to_m = most_m;
-        if (mu > 1e-3) {
-            from_m = (corner_m - stretch->high_m - slack) / mu;
-            to_m = (corner_m - stretch->low_m + slack) / mu;
+// Between which planes across the normal the ground lies.
+static void measure_slab(const Caster *caster, Stretch *stretch) {
+    stretch->low_m = INFINITY;
+    stretch->high_m = -INFINITY;
+    for (double along_m = stretch->from_m; along_m <= stretch->to_m; along_m += caster->reach_m) {
+        Under under = look_under(caster, along_ray(caster, along_m), radius_m(caster, along_m));
+        for (int i = 0; i <= AROUND; i++) {
+            double h_m = vec3d_dot(under.at[i], stretch->normal);
+            stretch->low_m = fmin(stretch->low_m, h_m);
+            stretch->high_m = fmax(stretch->high_m, h_m);
         }
-        corners[2 * i] = vec3d_mad(corner, caster->sun, -fmin(fmax(from_m, least_m), most_m));
-        corners[2 * i + 1] = vec3d_mad(corner, caster->sun, -fmin(fmax(to_m, least_m), most_m));
+    }
+    double more_m = slack_m(caster, stretch->to_m) + UNEVEN * caster->reach_m;
+    stretch->low_m -= more_m;
+    stretch->high_m += more_m;
+}
+
+// The corners of the box, wider by the penumbra, thrown along the sun's rays to both sides of the slab.
+static void find_points(const Caster *caster, const Stretch *stretch, const CraftBox *box, Vec3d points[POINTS]) {
+    double more_m = 2.0 * caster->reach_m + slack_m(caster, stretch->to_m);
+    double least_m = stretch->from_m - more_m, most_m = stretch->to_m + more_m, wider_m = penumbra_m(most_m);
+    double facing = vec3d_dot(stretch->normal, caster->sun);
+    for (int i = 0; i < CORNERS; i++) {
+        Vec3d corner = {i & 1 ? box->high.x + wider_m : box->low.x - wider_m,
+                        i & 2 ? box->high.y + wider_m : box->low.y - wider_m,
+                        i & 4 ? box->high.z + wider_m : box->low.z - wider_m};
+        corner = quatd_rotate(box->ecef_from_body, corner);
+        double from_m = least_m, to_m = most_m, h_m = vec3d_dot(corner, stretch->normal);
+        if (facing > FLATTEST) {
+            from_m = fmin(fmax((h_m - stretch->high_m) / facing, least_m), most_m);
+            to_m = fmin(fmax((h_m - stretch->low_m) / facing, least_m), most_m);
+        }
+        corner = vec3d_add(caster->position, corner);
+        points[2 * i] = vec3d_mad(corner, caster->sun, -from_m);
+        points[2 * i + 1] = vec3d_mad(corner, caster->sun, -to_m);
     }
 }
 
@@ -132,17 +175,17 @@ static void include(CraftBounds *bounds, Clip at) {
     bounds->top = fmax(bounds->top, at.y / at.w);
 }
 
-// Of the solid between the corners, ahead of the near plane: where the line between any two crosses it is a corner too.
-static CraftBounds bounds_of(const Frame *frame, const Vec3d corners[CORNERS]) {
+// Of the solid between the points, ahead of the near plane: where the line between any two crosses it is a point too.
+static CraftBounds bounds_of(const Frame *frame, const Vec3d points[POINTS]) {
     CraftBounds bounds = {INFINITY, INFINITY, -INFINITY, -INFINITY};
-    Clip clips[CORNERS];
-    for (int i = 0; i < CORNERS; i++) {
-        clips[i] = clip_of(frame, corners[i]);
+    Clip clips[POINTS];
+    for (int i = 0; i < POINTS; i++) {
+        clips[i] = clip_of(frame, points[i]);
         if (clips[i].w >= FRAME_NEAR_M)
             include(&bounds, clips[i]);
     }
-    for (int i = 0; i < CORNERS; i++)
-        for (int j = 0; j < CORNERS; j++) {
+    for (int i = 0; i < POINTS; i++)
+        for (int j = 0; j < POINTS; j++) {
             const Clip a = clips[i], b = clips[j];
             if (a.w >= FRAME_NEAR_M || b.w < FRAME_NEAR_M)
                 continue;
@@ -162,39 +205,40 @@ static bool pixels_of(double low, double high, int count, int *first, int *width
     return true;
 }
 
-static void find_sphere(const Frame *frame, const Vec3d corners[CORNERS], CraftCast *cast) {
+static void find_sphere(const Frame *frame, const Vec3d points[POINTS], CraftCast *cast) {
     Vec3d sum = vec3d(0.0, 0.0, 0.0);
-    for (int i = 0; i < CORNERS; i++)
-        sum = vec3d_add(sum, corners[i]);
-    cast->centre_ecef = vec3d_scale(sum, 1.0 / CORNERS);
-    for (int i = 0; i < CORNERS; i++)
-        cast->radius_m = fmax(cast->radius_m, vec3d_distance(corners[i], cast->centre_ecef));
+    for (int i = 0; i < POINTS; i++)
+        sum = vec3d_add(sum, points[i]);
+    cast->centre_ecef = vec3d_scale(sum, 1.0 / POINTS);
+    for (int i = 0; i < POINTS; i++)
+        cast->radius_m = fmax(cast->radius_m, vec3d_distance(points[i], cast->centre_ecef));
     cast->eye_m = fmax(vec3d_distance(cast->centre_ecef, frame->eye_ecef) - cast->radius_m, FRAME_NEAR_M);
 }
 
-CraftCast craft_cast_find(const CraftLand *land, const Frame *frame, Vec3d position_ecef, double reach_m) {
+CraftCast craft_cast_find(const CraftLand *land, const Frame *frame, const CraftBox *box, double reach_m) {
     CraftCast cast = {0};
-    Geodetic place = geodesy_from_ecef(position_ecef);
+    Geodetic place = geodesy_from_ecef(box->position_ecef);
     Vec3d sun = {(double)frame->block.sun[0], (double)frame->block.sun[1], (double)frame->block.sun[2]};
-    Caster caster = {.land = land, .position = position_ecef, .sun = sun, .reach_m = reach_m};
-    caster.eye_m = vec3d_distance(position_ecef, frame->eye_ecef);
-    // A metre up is somewhat more in round space.
     Vec3d up = geodesy_up(place.lat_rad, place.lon_rad);
-    caster.globe_m = frame->globe_m / vec3d_length(frame_round(up));
-    caster.enu = geodesy_enu_from_ecef(place.lat_rad, place.lon_rad);
-    if (vec3d_dot(up, sun) < MU_LEAST)
-        return cast;
-    craft_shadow_axes(sun, &caster.right, &caster.top);
-    Stretch stretch = find_stretch(&caster);
+    const Caster caster = {.land = land,
+                           .position = box->position_ecef,
+                           .sun = sun,
+                           .enu = geodesy_enu_from_ecef(place.lat_rad, place.lon_rad),
+                           .reach_m = reach_m,
+                           .eye_m = vec3d_distance(box->position_ecef, frame->eye_ecef),
+                           // A metre up is somewhat more in round space.
+                           .globe_m = frame->globe_m / vec3d_length(frame_round(up))};
+    Stretch stretch = vec3d_dot(up, sun) < MU_LEAST ? (Stretch){0} : find_stretch(&caster);
     if (!stretch.found)
         return cast;
-    Vec3d corners[CORNERS];
-    find_corners(&caster, &stretch, corners);
-    cast.clip = bounds_of(frame, corners);
+    Vec3d points[POINTS];
+    measure_slab(&caster, &stretch);
+    find_points(&caster, &stretch, box, points);
+    cast.clip = bounds_of(frame, points);
     cast.falls = pixels_of(cast.clip.left, cast.clip.right, land->view_width, &cast.x, &cast.width) &&
                  pixels_of(cast.clip.bottom, cast.clip.top, land->view_height, &cast.y, &cast.height);
     cast.on_globe = stretch.on_globe;
     cast.nearest_m = fmax(stretch.from_m - reach_m, 0.0);
-    find_sphere(frame, corners, &cast);
+    find_sphere(frame, points, &cast);
     return cast;
 }

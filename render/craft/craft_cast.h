@@ -9,8 +9,7 @@
 
 typedef struct CraftLand {
     const Terrain *terrain;
-    double globe_m;              // height of what surrounds it, above the ellipsoid
-    double coarse_rad;           // what is drawn is off by so much of its distance
+    double coarse_m, coarse_rad; // what is drawn is off by so much, and by so much of its distance
     int view_width, view_height; // pixels
 } CraftLand;
 
@@ -28,6 +27,13 @@ typedef struct CraftCast {
     int x, y, width, height; // and of the pixels, in these
 } CraftCast;
 
-// Of an aircraft that lies within `reach_m` of its position. What is farther from it than where the penumbra is as wide
-// as the aircraft is no shadow any more.
-CraftCast craft_cast_find(const CraftLand *land, const Frame *frame, Vec3d position_ecef, double reach_m);
+// An aircraft, and a box that holds all of it; body axes.
+typedef struct CraftBox {
+    Vec3d position_ecef;
+    Quatd ecef_from_body;
+    Vec3d low, high;
+} CraftBox;
+
+// Of an aircraft that lies within the box, and within `reach_m` of its position. What is farther from it than where the
+// penumbra is as wide as the aircraft is no shadow any more.
+CraftCast craft_cast_find(const CraftLand *land, const Frame *frame, const CraftBox *box, double reach_m);

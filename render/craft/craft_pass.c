@@ -257,7 +257,7 @@ static void bind(CraftPass *pass, CraftKind kind) {
 }
 
 #define TEXELS_A_PENUMBRA 3.0 // of its radius: finer ones are not seen
-#define TEXELS_A_PIXEL 2.0
+#define TEXELS_A_PIXEL 1.2
 
 static void draw_shade(CraftPass *pass, const CraftModel *model, const Frame *frame, const RenderCraft *craft,
                        const CraftCast *cast) {
@@ -282,14 +282,36 @@ static void draw_maps(CraftPass *pass, const Frame *frame, const RenderCraft *cr
     glBindVertexArray(0);
 }
 
+#define MOVES_M 0.3 // beyond the box of the model, controls and a propeller
+
+// First roughly: the model is made only for a shadow that may be seen.
+static Result find_cast(CraftPass *pass, const Frame *frame, const RenderCraft *craft, const CraftLand *land,
+                        CraftCast *cast) {
+    double reach_m = craft_shape_reach_m(craft_shape(craft->kind));
+    CraftBox box = {craft->position_ecef, craft->ecef_from_body, vec3d(-reach_m, -reach_m, -reach_m),
+                    vec3d(reach_m, reach_m, reach_m)};
+    *cast = craft_cast_find(land, frame, &box, reach_m);
+    Result result = cast->falls ? have_model(pass, craft->kind) : RESULT_OK;
+    if (!cast->falls || result != RESULT_OK)
+        return result;
+    const CraftModel *model = &pass->models[craft->kind].model;
+    const Vec3d moves = {MOVES_M, MOVES_M, MOVES_M};
+    box.low = vec3d_sub(model->low, moves);
+    box.high = vec3d_add(model->high, moves);
+    *cast = craft_cast_find(land, frame, &box, reach_m);
+    return RESULT_OK;
+}
+
 Result craft_pass_prepare(CraftPass *pass, const Frame *frame, const RenderCraft *craft, const CraftLand *land,
                           CraftCast *cast) {
-    double reach_m = craft_shape_reach_m(craft_shape(craft->kind));
-    *cast = craft->casts ? craft_cast_find(land, frame, craft->position_ecef, reach_m) : (CraftCast){0};
-    pass->seen = craft->show && frame_sees_sphere(frame, craft->position_ecef, reach_m);
-    if (!pass->seen && !cast->falls)
+    *cast = (CraftCast){0};
+    Result result = craft->casts ? find_cast(pass, frame, craft, land, cast) : RESULT_OK;
+    pass->seen =
+        craft->show && frame_sees_sphere(frame, craft->position_ecef, craft_shape_reach_m(craft_shape(craft->kind)));
+    if (result == RESULT_OK && !pass->seen && !cast->falls)
         return RESULT_OK;
-    Result result = have_parts(pass, craft->kind, pass->seen, cast->falls);
+    if (result == RESULT_OK)
+        result = have_parts(pass, craft->kind, pass->seen, cast->falls);
     if (result != RESULT_OK) {
         pass->seen = cast->falls = false;
         return result;
