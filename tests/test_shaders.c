@@ -13,6 +13,7 @@
 
 #include <cmocka.h>
 
+#include "render/craft/craft_shade.h"
 #include "render/frame.h"
 #include "render/gl.h"
 #include "render/ground/drape.h"
@@ -117,10 +118,10 @@ static void uniform_blocks_lie_as_in_c(void **state) {
         MEMBER(GroundBlock, GroundBlock, texel),       MEMBER(GroundBlock, GroundBlock, height),
         MEMBER(GroundBlock, GroundBlock, noise),       MEMBER(GroundBlock, GroundBlock, globe),
         MEMBER(DrapeBlock, DrapeBlock, globe),         MEMBER(DrapeBlock, DrapeBlock, map),
-        MEMBER(DrapeBlock, DrapeBlock, image),
+        MEMBER(DrapeBlock, DrapeBlock, image),         ARRAY(CraftShadeBlock, CraftShadeBlock, map_rows),
     };
     const ShaderSpec specs[] = {
-        {.stages = {"terrain.vert", "terrain.frag"}, .defines = "DRAPE WATER HOLES"},
+        {.stages = {"terrain.vert", "terrain.frag"}, .defines = "DRAPE WATER HOLES SHADED"},
         {.stages = {"sky.vert", "globe.frag"}, .defines = "DRAPE"},
     };
     unsigned programs[COUNT_OF(specs)];
