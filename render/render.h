@@ -90,9 +90,11 @@ typedef struct RenderHud {
     RenderAccuracy accuracy;
 } RenderHud;
 
-// An aircraft to be seen from outside.
+// An aircraft to be seen from outside, or by its shadow alone. Without either the rest is not looked at, and nothing is
+// made for it.
 typedef struct RenderCraft {
-    bool show; // false: the rest is not looked at, and nothing is made for it
+    bool show;
+    bool casts; // its shadow lies on the ground, where that is near enough along the sun's rays
     CraftKind kind;
     Vec3d position_ecef;  // of the shape's origin, see render/craft/craft_shape.h
     Quatd ecef_from_body; // unit; body axes: x ahead, y right, z down

@@ -21,6 +21,7 @@ enum { UNIT_SKY_RADIANCE = 8, UNIT_SKY_SOURCE = 9 };
 enum { UNIT_LIGHT_SUN = 12, UNIT_LIGHT_SKY = 13 }; // shaders/globe.frag
 
 struct Scene {
+    const Terrain *terrain;
     PatchCache *cache;
     TerrainPass *terrain_passes[2]; // by SceneView.index: each remembers what it drew last
     DiamondPass *diamond_passes[2]; // by SceneView.index, for resident cuts
@@ -28,22 +29,27 @@ struct Scene {
     Ground *ground;
     Drape *drape; // NULL: no image
     SkyPass *sky_pass;
-    CraftPass *craft_pass;              // NULL until an aircraft is shown
-    bool craft_refused;                 // it could not be made, and the log said why
-    GLuint land_program, shore_program; // patches without water, and with
-    GLuint wire_program;                // 0 until it is called for
-    GLuint frame_buffer;                // uniform block
+    CraftPass *craft_pass;                            // NULL until there is an aircraft
+    bool craft_refused;                               // it could not be made, and the log said why
+    GLuint land_program, shore_program;               // patches without water, and with
+    GLuint shaded_land_program, shaded_shore_program; // with an aircraft's shadow; 0 until they are called for
+    bool shaded_refused;                              // they could not be made, and the log said why
+    GLuint wire_program;                              // 0 until it is called for
+    GLuint frame_buffer;                              // uniform block
     char defines[64];
     Frame frame;
 };
 
+static Result create_land_program(const Scene *scene, const char *more, GLuint *program) {
+    char defines[96];
+    snprintf(defines, sizeof defines, "%s%s", scene->defines, more);
+    const ShaderSpec spec = {.stages = {"terrain.vert", "terrain.frag"}, .defines = defines};
+    return shader_create_program(&spec, program);
+}
+
 static Result create_programs(Scene *scene) {
-    char with_water[96];
-    snprintf(with_water, sizeof with_water, "%s WATER", scene->defines);
-    const ShaderSpec land = {.stages = {"terrain.vert", "terrain.frag"}, .defines = scene->defines};
-    const ShaderSpec shore = {.stages = {"terrain.vert", "terrain.frag"}, .defines = with_water};
-    Result result = shader_create_program(&land, &scene->land_program);
-    return result == RESULT_OK ? shader_create_program(&shore, &scene->shore_program) : result;
+    Result result = create_land_program(scene, "", &scene->land_program);
+    return result == RESULT_OK ? create_land_program(scene, " WATER", &scene->shore_program) : result;
 }
 
 static Result create_terrain_passes(Scene *scene) {
@@ -80,6 +86,7 @@ static Result create_parts(Scene *scene, const RenderOptions *options, const Ter
         return result;
     if ((result = create_programs(scene)) != RESULT_OK)
         return result;
+    scene->terrain = terrain;
     return sky_pass_create(scene->defines, &scene->sky_pass);
 }
 
@@ -114,6 +121,8 @@ void scene_destroy(Scene **scene) {
     drape_destroy(&self->drape);
     glDeleteProgram(self->land_program);
     glDeleteProgram(self->shore_program);
+    glDeleteProgram(self->shaded_land_program);
+    glDeleteProgram(self->shaded_shore_program);
     glDeleteProgram(self->wire_program);
     glDeleteBuffers(1, &self->frame_buffer);
     free(self);
@@ -153,11 +162,7 @@ Result scene_prepare(Scene *scene, const RenderPacket *packet, const SceneView *
                                 view->cut);
 }
 
-static void set_state(unsigned framebuffer, const SceneView *view) {
-    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-    glViewport(view->x, 0, view->width, view->height);
-    glScissor(view->x, 0, view->width, view->height); // lines are wider than what the viewport clips, and clearing
-    glEnable(GL_SCISSOR_TEST);                        // knows no viewport
+static void set_state(void) {
     glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
@@ -169,6 +174,14 @@ static void set_state(unsigned framebuffer, const SceneView *view) {
     glDisable(GL_BLEND);
     glDisable(GL_STENCIL_TEST);
     glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+}
+
+static void begin_picture(unsigned framebuffer, const SceneView *view) {
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    glViewport(view->x, 0, view->width, view->height);
+    glScissor(view->x, 0, view->width, view->height); // lines are wider than what the viewport clips, and clearing
+    glEnable(GL_SCISSOR_TEST);                        // knows no viewport
+    glDepthFunc(GL_GREATER);
     glClearColor(1.0f, 0.0f, 1.0f, 1.0f); // seen where nothing is drawn, which the pinhole test counts
     glClearDepth(0.0);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
@@ -213,33 +226,83 @@ static void draw_wire(Scene *scene, const SceneView *view) {
     glDepthMask(GL_TRUE);
 }
 
-static void draw_land(Scene *scene, const RenderPacket *packet, const SceneView *view) {
+// ---- the aircraft ----
+
+// Two times the tolerance, which holds where the view is centred; what promises nothing is off by more.
+#define COARSE_SHARE 2.0
+#define COARSE_M 0.2
+#define UNPROMISED_SHARE 16.0
+#define UNPROMISED_M 5.0
+
+static CraftLand land_of(const Scene *scene, const SceneView *view) {
+    double tolerance_rad = view->cut->view.tau_px / (double)scene->frame.block.ray_right[3];
+    bool promised = view->cut->promises;
+    return (CraftLand){.terrain = scene->terrain,
+                       .coarse_m = promised ? COARSE_M : UNPROMISED_M,
+                       .coarse_rad = (promised ? COARSE_SHARE : UNPROMISED_SHARE) * tolerance_rad,
+                       .view_width = view->width,
+                       .view_height = view->height};
+}
+
+// A flight without its aircraft is better than none.
+static CraftCast prepare_craft(Scene *scene, const RenderPacket *packet, const SceneView *view) {
+    CraftCast cast = {0};
+    const RenderCraft *craft = &packet->craft;
+    if ((!craft->show && !craft->casts) || scene->craft_refused)
+        return cast;
+    const CraftLand land = land_of(scene, view);
+    Result result = scene->craft_pass ? RESULT_OK : craft_pass_create(&scene->craft_pass);
+    if (result == RESULT_OK)
+        result = craft_pass_prepare(scene->craft_pass, &scene->frame, craft, &land, &cast);
+    scene->craft_refused = result != RESULT_OK;
+    return cast;
+}
+
+static bool have_shaded_programs(Scene *scene) {
+    if (scene->shaded_refused || scene->shaded_shore_program)
+        return !scene->shaded_refused;
+    Result result = create_land_program(scene, " SHADED", &scene->shaded_land_program);
+    if (result == RESULT_OK)
+        result = create_land_program(scene, " WATER SHADED", &scene->shaded_shore_program);
+    scene->shaded_refused = result != RESULT_OK;
+    return !scene->shaded_refused;
+}
+
+// What the shadow may lie on once more: a branch saves a software renderer nothing, so no other pixel knows of it.
+static void shade_patches(Scene *scene, const SceneView *view, const CraftCast *cast) {
+    TerrainPass *pass = scene->terrain_passes[view->index];
+    glScissor(view->x + cast->x, cast->y, cast->width, cast->height);
+    glDepthFunc(GL_EQUAL);
+    glUseProgram(scene->shaded_land_program);
+    terrain_pass_draw_near(pass, scene->cache, TERRAIN_DRY, cast->centre_ecef, cast->radius_m);
+    glUseProgram(scene->shaded_shore_program);
+    terrain_pass_draw_near(pass, scene->cache, TERRAIN_WET, cast->centre_ecef, cast->radius_m);
+    glScissor(view->x, 0, view->width, view->height);
+    glDepthFunc(GL_GREATER);
+}
+
+static void draw_land(Scene *scene, const RenderPacket *packet, const SceneView *view, const CraftCast *cast) {
     TerrainPass *pass = scene->terrain_passes[view->index];
     glUseProgram(scene->land_program);
     terrain_pass_draw(pass, scene->cache, TERRAIN_DRY);
     glUseProgram(scene->shore_program);
     terrain_pass_draw(pass, scene->cache, TERRAIN_WET);
-    diamond_pass_draw(scene->diamond_passes[view->index], packet->colouring);
-}
-
-// A flight without its aircraft is better than none.
-static void draw_craft(Scene *scene, const RenderCraft *craft) {
-    if (!craft->show || scene->craft_refused)
-        return;
-    Result result = scene->craft_pass ? RESULT_OK : craft_pass_create(&scene->craft_pass);
-    if (result == RESULT_OK)
-        result = craft_pass_draw(scene->craft_pass, &scene->frame, craft);
-    scene->craft_refused = result != RESULT_OK;
+    diamond_pass_draw(scene->diamond_passes[view->index], packet->colouring, cast->falls);
+    if (cast->falls && have_shaded_programs(scene))
+        shade_patches(scene, view, cast);
 }
 
 void scene_draw(Scene *scene, const RenderPacket *packet, const SceneView *view, unsigned framebuffer) {
     atmosphere_update(scene->atmosphere, scene->frame.eye_h_m, scene->frame.mu_sun);
-    set_state(framebuffer, view);
+    set_state();
     bind_inputs(scene);
-    draw_land(scene, packet, view);
+    CraftCast cast = prepare_craft(scene, packet, view);
+    begin_picture(framebuffer, view);
+    draw_land(scene, packet, view, &cast);
     if (!packet->magenta_background)
-        sky_pass_draw(scene->sky_pass, &scene->frame);
-    draw_craft(scene, &packet->craft);
+        sky_pass_draw(scene->sky_pass, &scene->frame, &cast);
+    if (packet->craft.show && scene->craft_pass)
+        craft_pass_draw(scene->craft_pass, &packet->craft);
     if (packet->wireframe)
         draw_wire(scene, view);
     glDisable(GL_SCISSOR_TEST);

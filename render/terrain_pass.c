@@ -323,19 +323,49 @@ Result terrain_pass_prepare(TerrainPass *pass, PatchCache *cache, const Frame *f
     return result;
 }
 
-void terrain_pass_draw(TerrainPass *pass, const PatchCache *cache, TerrainPart part) {
-    int32_t begin = part == TERRAIN_WET ? pass->dry_count : 0;
-    int32_t end = part == TERRAIN_DRY ? pass->dry_count : pass->visible_count;
-    if (begin == end)
-        return;
+typedef struct Range {
+    int32_t begin, end; // of the visible ones
+} Range;
+
+static Range range_of(const TerrainPass *pass, TerrainPart part) {
+    return (Range){part == TERRAIN_WET ? pass->dry_count : 0,
+                   part == TERRAIN_DRY ? pass->dry_count : pass->visible_count};
+}
+
+static void bind(const TerrainPass *pass, const PatchCache *cache) {
     GLuint buffer = patch_cache_buffer(cache);
     glVertexArrayVertexBuffer(pass->vertex_array, BINDING_VERTICES, buffer, 0, sizeof(LodVertex));
     glVertexArrayVertexBuffer(pass->vertex_array, BINDING_INSTANCES, pass->instances_buffer, 0, sizeof(Instance));
     glVertexArrayElementBuffer(pass->vertex_array, buffer);
     glBindVertexArray(pass->vertex_array);
     glBindBuffer(GL_DRAW_INDIRECT_BUFFER, pass->commands_buffer);
-    glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT, (const void *)((size_t)begin * sizeof(DrawCommand)),
-                                end - begin, 0);
+}
+
+static void draw_range(Range range) {
+    if (range.begin < range.end)
+        glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT,
+                                    (const void *)((size_t)range.begin * sizeof(DrawCommand)), range.end - range.begin,
+                                    0);
+}
+
+void terrain_pass_draw(TerrainPass *pass, const PatchCache *cache, TerrainPart part) {
+    Range range = range_of(pass, part);
+    if (range.begin == range.end)
+        return;
+    bind(pass, cache);
+    draw_range(range);
+    glBindVertexArray(0);
+}
+
+void terrain_pass_draw_near(TerrainPass *pass, const PatchCache *cache, TerrainPart part, Vec3d centre_ecef,
+                            double radius_m) {
+    Range range = range_of(pass, part);
+    bind(pass, cache);
+    for (int32_t i = range.begin; i < range.end; i++) {
+        const Placed *placed = &pass->placed[pass->visible[i].index];
+        if (vec3d_distance(placed->centre_ecef, centre_ecef) < placed->radius_m + radius_m)
+            draw_range((Range){i, i + 1});
+    }
     glBindVertexArray(0);
 }
 

@@ -26,4 +26,7 @@ typedef enum TerrainPart {
 } TerrainPart;
 // Draws a part of the list with the program that is bound.
 void terrain_pass_draw(TerrainPass *pass, const PatchCache *cache, TerrainPart part);
+// Only what comes near a sphere.
+void terrain_pass_draw_near(TerrainPass *pass, const PatchCache *cache, TerrainPart part, Vec3d centre_ecef,
+                            double radius_m);
 void terrain_pass_count(const TerrainPass *pass, RenderCutStats *stats);

@@ -3,6 +3,7 @@
 //   test_craft_gl                            the tests
 //   test_craft_gl --pictures FOLDER [NAME]   writes pictures of each kind from all sides, or those so named, to look at
 //   test_craft_gl --times                    what it costs at 1280 x 800
+//   test_craft_gl --times-of-shadows         and what its shadow on the ground does
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <setjmp.h>
@@ -121,7 +122,7 @@ static RenderPacket packet_of(const Shot *shot, Vec3d place) {
     Quatd body = quaternion_of(local.north, local.east, local.down);
     body = quatd_mul(body, quatd_from_axis_angle(vec3d(0, 0, 1), shot->heading_rad));
     body = quatd_mul(body, quatd_from_axis_angle(vec3d(1, 0, 0), shot->bank_rad));
-    packet.craft = (RenderCraft){true, shot->kind, place, body, shot->pose};
+    packet.craft = (RenderCraft){true, false, shot->kind, place, body, shot->pose};
     double azimuth = shot->heading_rad + shot->bearing_rad, level = cos(shot->elevation_rad);
     Vec3d away = local_vector(&local, level * cos(azimuth), level * sin(azimuth), -sin(shot->elevation_rad));
     Vec3d right = local_vector(&local, sin(azimuth), -cos(azimuth), 0.0), up = vec3d_cross(away, right);
@@ -443,31 +444,65 @@ static void write_pictures(const char *folder, const char *only) {
     stage_end(&stage);
 }
 
-// Processor time of the shortest of some frames, milliseconds: with LP_NUM_THREADS=1 it tells the same on a busy
-// machine as on an idle one.
+// Processor time, milliseconds: with LP_NUM_THREADS=1 it tells the same on a busy machine as on an idle one.
+static double frame_ms(Stage *stage, RenderPacket *packet) {
+    clock_t begin = clock();
+    draw(stage, packet);
+    return 1e3 * (double)(clock() - begin) / CLOCKS_PER_SEC;
+}
+
+// Of the shortest of some frames.
 static double best_ms(Stage *stage, RenderPacket *packet, bool show) {
     double best = 1e9;
     packet->craft.show = show;
-    for (int i = 0; i < 15; i++) {
-        clock_t begin = clock();
-        draw(stage, packet);
-        best = fmin(best, 1e3 * (double)(clock() - begin) / CLOCKS_PER_SEC);
-    }
+    for (int i = 0; i < 15; i++)
+        best = fmin(best, frame_ms(stage, packet));
     return best;
 }
 
-static void print_times(void) {
+// Seen as from a chasing camera, so high above the ground: what the shadow costs, frame by frame beside those without.
+static void print_shadow_times(Stage *stage, double above_m) {
+    Shot shot = plain_shot(CRAFT_C172, 27.0);
+    shot.bank_rad = 0.0;
+    shot.bearing_rad = 180.0 * DEG;
+    shot.elevation_rad = 15.0 * DEG;
+    shot.sun_azimuth_rad = shot.heading_rad + 180.0 * DEG;
+    shot.sun_elevation_rad = 70.0 * DEG;
+    RenderPacket packet = packet_of(&shot, support_eye(stage->terrain, 1200.0, 1250.0, above_m));
+    double with = 1e9, without = 1e9;
+    for (int i = 0; i < 10; i++) {
+        packet.craft.casts = true;
+        with = fmin(with, frame_ms(stage, &packet));
+        packet.craft.casts = false;
+        without = fmin(without, frame_ms(stage, &packet));
+    }
+    printf("its shadow from %.0f m: %.1f ms, %.1f without\n", above_m, with, without);
+}
+
+static Stage stage_tatra(void) {
     Jobs *jobs = NULL;
     Geoid *geoid = NULL;
     assert_int_equal(jobs_create(2, &jobs), RESULT_OK);
     Terrain *terrain = support_shared_terrain("tatra_srtm3_2401.tif", &geoid, jobs);
     assert_non_null(terrain);
-    Stage stage = stage_begin(terrain, geoid, jobs, PICTURE_WIDTH, PICTURE_HEIGHT, 1);
+    return stage_begin(terrain, geoid, jobs, PICTURE_WIDTH, PICTURE_HEIGHT, 1);
+}
+
+static void print_times_of_shadows(void) {
+    static const double heights_m[] = {1.3, 20.0, 60.0, 300.0, 2000.0};
+    Stage stage = stage_tatra();
+    for (size_t i = 0; i < COUNT_OF(heights_m); i++)
+        print_shadow_times(&stage, heights_m[i]);
+    stage_end(&stage);
+}
+
+static void print_times(void) {
+    Stage stage = stage_tatra();
     static const double distances_m[] = {6.0, 14.0, 40.0, 120.0, 2000.0};
     for (int kind = 0; kind < CRAFT_KIND_COUNT; kind++) {
         for (size_t i = 0; i < COUNT_OF(distances_m); i++) {
             const Shot shot = plain_shot(kind, distances_m[i]);
-            RenderPacket packet = packet_of(&shot, support_eye(terrain, 1200.0, 1250.0, 900.0));
+            RenderPacket packet = packet_of(&shot, support_eye(stage.terrain, 1200.0, 1250.0, 900.0));
             double with = best_ms(&stage, &packet, true), without = best_ms(&stage, &packet, false);
             printf("%s at %.0f m: %.1f ms, %.1f without\n", craft_shape(shot.kind)->name, distances_m[i], with,
                    without);
@@ -490,6 +525,8 @@ int main(int argc, char **argv) {
         write_pictures(argv[2], argc > 3 ? argv[3] : NULL);
     else if (argc == 2 && strcmp(argv[1], "--times") == 0)
         print_times();
+    else if (argc == 2 && strcmp(argv[1], "--times-of-shadows") == 0)
+        print_times_of_shadows();
     else
         failed = cmocka_run_group_tests(tests, NULL, NULL);
     context_destroy(&context);

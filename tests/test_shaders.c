@@ -13,6 +13,7 @@
 
 #include <cmocka.h>
 
+#include "render/craft/craft_shade.h"
 #include "render/frame.h"
 #include "render/gl.h"
 #include "render/ground/drape.h"
@@ -23,25 +24,26 @@
 
 typedef struct Variants {
     const char *stages[SHADER_STAGES_MAX];
-    const char *switches[4]; // each on or off
+    const char *switches[5]; // each on or off
     const char *always;
 } Variants;
 
 static const Variants VARIANTS[] = {
-    {{"terrain.vert", "terrain.frag"}, {"HOLES", "DRAPE", "WATER", "SEA"}, ""},
+    {{"terrain.vert", "terrain.frag"}, {"HOLES", "DRAPE", "WATER", "SEA", "SHADED"}, ""},
     {{"terrain.vert", "wire.geom", "wire.frag"}, {NULL}, ""},
     {{"sky.vert", "sky.frag"}, {NULL}, ""},
-    {{"sky.vert", "globe.frag"}, {"DRAPE", "SEA"}, ""},
+    {{"sky.vert", "globe.frag"}, {"DRAPE", "SEA", "SHADED"}, ""},
     {{"craft.vert", "craft.frag"}, {NULL}, ""},
     {{"craft_shadow.vert", "craft_shadow.frag"}, {NULL}, ""},
+    {{"craft_shadow.vert", "craft_shade.frag"}, {NULL}, ""},
     {{"fullscreen.vert", "atmosphere_transmittance.frag"}, {NULL}, ""},
     {{"fullscreen.vert", "atmosphere_multiple.frag"}, {NULL}, ""},
     {{"fullscreen.vert", "atmosphere_ground.frag"}, {NULL}, "GROUND_LIGHT_WIDTH=64 GROUND_LIGHT_HEIGHT=4"},
     {{"fullscreen.vert", "sky_view.frag"}, {NULL}, ""},
     {{"canvas.vert", "canvas.frag"}, {NULL}, ""},
     {{"fullscreen.vert", "layer.frag"}, {NULL}, ""},
-    {{"diamond_terrain.vert", "terrain.frag"}, {"HOLES", "DRAPE", "WATER", "SEA"}, ""},
-    {{"diamond_terrain.vert", "diamond_level.geom", "terrain.frag"}, {"HOLES", "DRAPE", "SEA"}, ""},
+    {{"diamond_terrain.vert", "terrain.frag"}, {"HOLES", "DRAPE", "WATER", "SEA", "SHADED"}, ""},
+    {{"diamond_terrain.vert", "diamond_level.geom", "terrain.frag"}, {"HOLES", "DRAPE", "SEA", "SHADED"}, ""},
     {{"diamond_terrain.vert", "wire.geom", "wire.frag"}, {NULL}, ""},
     {{"diamond_errors.comp"}, {"BY_GROUP"}, ""},
     {{"diamond_evaluate.comp"}, {"FIELD_DATUM", "FIELD_DEGREES"}, ""},
@@ -116,10 +118,10 @@ static void uniform_blocks_lie_as_in_c(void **state) {
         MEMBER(GroundBlock, GroundBlock, texel),       MEMBER(GroundBlock, GroundBlock, height),
         MEMBER(GroundBlock, GroundBlock, noise),       MEMBER(GroundBlock, GroundBlock, globe),
         MEMBER(DrapeBlock, DrapeBlock, globe),         MEMBER(DrapeBlock, DrapeBlock, map),
-        MEMBER(DrapeBlock, DrapeBlock, image),
+        MEMBER(DrapeBlock, DrapeBlock, image),         ARRAY(CraftShadeBlock, CraftShadeBlock, map_rows),
     };
     const ShaderSpec specs[] = {
-        {.stages = {"terrain.vert", "terrain.frag"}, .defines = "DRAPE WATER HOLES"},
+        {.stages = {"terrain.vert", "terrain.frag"}, .defines = "DRAPE WATER HOLES SHADED"},
         {.stages = {"sky.vert", "globe.frag"}, .defines = "DRAPE"},
     };
     unsigned programs[COUNT_OF(specs)];

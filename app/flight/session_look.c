@@ -41,7 +41,7 @@ static bool is_stalling(const FlightSession *session, const FlightInstruments *n
            airframe_stalled(session->flight.aircraft, now->alpha_rad + STALL_WARNING_RAD, state->flaps) > STALL_SHARE;
 }
 
-// What is drawn of the aircraft, from outside.
+// What is drawn of the aircraft from outside, and its shadow, which is seen from on board too: a pilot lands by it.
 static RenderCraft make_craft(const FlightSession *session) {
     const FlightState *state = &session->flight.state;
     const Aircraft *aircraft = session->flight.aircraft;
@@ -49,6 +49,7 @@ static RenderCraft make_craft(const FlightSession *session) {
         [AIRCRAFT_GLIDER] = CRAFT_GLIDER, [AIRCRAFT_PISTON] = CRAFT_C172, [AIRCRAFT_JET] = CRAFT_JET_TRAINER};
     bool turns = aircraft->engine == AIRCRAFT_PISTON && state->contact != FLIGHT_CRASHED;
     return (RenderCraft){.show = camera_is_outside(session->settings.view),
+                         .casts = true,
                          .kind = KINDS[aircraft->engine],
                          .position_ecef = state->position_ecef,
                          .ecef_from_body = state->ecef_from_body,

@@ -91,6 +91,15 @@ static double radius_of(const CraftMesh *mesh) {
     return radius;
 }
 
+static void find_box(CraftModel *model) {
+    Vec3d *low = &model->low, *high = &model->high;
+    for (int i = 0; i < model->mesh.vertex_count; i++) {
+        const float *at = model->mesh.vertices[i].position;
+        *low = vec3d(fmin(low->x, (double)at[0]), fmin(low->y, (double)at[1]), fmin(low->z, (double)at[2]));
+        *high = vec3d(fmax(high->x, (double)at[0]), fmax(high->y, (double)at[1]), fmax(high->z, (double)at[2]));
+    }
+}
+
 Result craft_model_create(const CraftShape *shape, CraftModel *model) {
     *model = (CraftModel){0};
     CraftBuilder *builder = craft_builder_create();
@@ -107,6 +116,7 @@ Result craft_model_create(const CraftShape *shape, CraftModel *model) {
     Result result = craft_builder_finish(builder, &model->mesh);
     craft_builder_destroy(&builder);
     model->radius_m = radius_of(&model->mesh);
+    find_box(model);
     return result;
 }
 

@@ -19,6 +19,7 @@ typedef struct CraftModel {
     double fold_rad[CRAFT_JOINT_COUNT]; // of legs, from down to up
     int first[CRAFT_RANGE_COUNT], count[CRAFT_RANGE_COUNT];
     double radius_m; // of a sphere about the origin that holds all
+    Vec3d low, high; // and of a box, gear down, with controls straight
 } CraftModel;
 
 // Less than 20,000 triangles. The same shape gives the same bytes. MEMORY.

@@ -2,6 +2,7 @@
 
 #include "base/log.h"
 #include "render/craft/craft_model.h"
+#include "render/craft/craft_shade.h"
 #include "render/craft/craft_shadow.h"
 #include "render/gl.h"
 #include "render/shader.h"
@@ -38,25 +39,19 @@ typedef struct DrawnModel {
 } DrawnModel;
 
 struct CraftPass {
-    GLuint program, block_buffer;
-    CraftShadow *shadow;
+    GLuint program, block_buffer; // program: 0 until an aircraft is shown
+    CraftShadow *shadow;          // as that
+    CraftShade *shade;            // NULL until a shadow falls on the land
     DrawnModel models[CRAFT_KIND_COUNT];
+    bool seen; // what was prepared is in the picture
     CraftBlock block;
 };
 
 Result craft_pass_create(CraftPass **out) {
-    const ShaderSpec spec = {.stages = {"craft.vert", "craft.frag"}};
     CraftPass *pass = calloc(1, sizeof *pass);
     if (!pass) {
         log_error("out of memory for the aircraft");
         return RESULT_MEMORY;
-    }
-    Result result = shader_create_program(&spec, &pass->program);
-    if (result == RESULT_OK)
-        result = craft_shadow_create(&pass->shadow);
-    if (result != RESULT_OK) {
-        craft_pass_destroy(&pass);
-        return result;
     }
     glCreateBuffers(1, &pass->block_buffer);
     glNamedBufferStorage(pass->block_buffer, sizeof pass->block, NULL, GL_DYNAMIC_STORAGE_BIT);
@@ -79,6 +74,7 @@ void craft_pass_destroy(CraftPass **pass) {
     for (int kind = 0; kind < CRAFT_KIND_COUNT; kind++)
         destroy_model(&self->models[kind]);
     craft_shadow_destroy(&self->shadow);
+    craft_shade_destroy(&self->shade);
     glDeleteProgram(self->program);
     glDeleteBuffers(1, &self->block_buffer);
     free(self);
@@ -228,31 +224,110 @@ static void draw_solids(const CraftModel *model, const CraftPose *pose) {
     draw_range(model, CRAFT_RANGE_BLADES, pose);
 }
 
-static void draw_shadow(CraftPass *pass, const DrawnModel *drawn, const CraftPose *pose) {
-    craft_shadow_begin(pass->shadow);
-    draw_solids(&drawn->model, pose);
-    craft_shadow_end(pass->shadow);
+// ---- what is made when it is first needed ----
+
+static Result have_model(CraftPass *pass, CraftKind kind) {
+    DrawnModel *drawn = &pass->models[kind];
+    return drawn->made ? RESULT_OK : make_model(kind, drawn);
 }
 
-static void draw_model(CraftPass *pass, const DrawnModel *drawn, const CraftPose *pose) {
-    glNamedBufferSubData(pass->block_buffer, 0, sizeof pass->block, &pass->block);
+static Result have_program(CraftPass *pass) {
+    const ShaderSpec spec = {.stages = {"craft.vert", "craft.frag"}};
+    Result result = pass->program ? RESULT_OK : shader_create_program(&spec, &pass->program);
+    if (result == RESULT_OK && !pass->shadow)
+        result = craft_shadow_create(&pass->shadow);
+    return result;
+}
+
+static Result have_parts(CraftPass *pass, CraftKind kind, bool seen, bool falls) {
+    Result result = have_model(pass, kind);
+    if (result == RESULT_OK && seen)
+        result = have_program(pass);
+    if (result == RESULT_OK && falls && !pass->shade)
+        result = craft_shade_create(&pass->shade);
+    return result;
+}
+
+// ---- drawing ----
+
+static void bind(CraftPass *pass, CraftKind kind) {
     glBindBufferBase(GL_UNIFORM_BUFFER, CRAFT_BLOCK_BINDING, pass->block_buffer);
-    glBindVertexArray(drawn->vertex_array);
+    glBindVertexArray(pass->models[kind].vertex_array);
     glDepthFunc(GL_GREATER);
-    if (pass->block.shadow[0])
-        draw_shadow(pass, drawn, pose);
-    glUseProgram(pass->program);
-    draw_solids(&drawn->model, pose);
-    draw_disc(&drawn->model, pose);
+}
+
+#define TEXELS_A_PENUMBRA 3.0 // of its radius: finer ones are not seen
+#define TEXELS_A_PIXEL 1.2
+
+static void draw_shade(CraftPass *pass, const CraftModel *model, const Frame *frame, const RenderCraft *craft,
+                       const CraftCast *cast) {
+    double pixel_m = cast->eye_m / (double)frame->block.ray_right[3];
+    double texel_m = fmax(cast->nearest_m * CRAFT_SUN_TANGENT / TEXELS_A_PENUMBRA, pixel_m / TEXELS_A_PIXEL);
+    craft_shade_begin(pass->shade, 2.0 * model->radius_m, texel_m);
+    draw_solids(model, &craft->pose);
+    craft_shade_end(pass->shade, pass->block.map_rows);
+}
+
+static void draw_maps(CraftPass *pass, const Frame *frame, const RenderCraft *craft, const CraftCast *cast) {
+    const CraftModel *model = &pass->models[craft->kind].model;
+    glNamedBufferSubData(pass->block_buffer, 0, sizeof pass->block, &pass->block);
+    bind(pass, craft->kind);
+    if (pass->seen && pass->block.shadow[0]) {
+        craft_shadow_begin(pass->shadow);
+        draw_solids(model, &craft->pose);
+        craft_shadow_end(pass->shadow);
+    }
+    if (cast->falls)
+        draw_shade(pass, model, frame, craft, cast);
     glBindVertexArray(0);
 }
 
-Result craft_pass_draw(CraftPass *pass, const Frame *frame, const RenderCraft *craft) {
-    DrawnModel *drawn = &pass->models[craft->kind];
-    Result result = drawn->made ? RESULT_OK : make_model(craft->kind, drawn);
-    if (result != RESULT_OK || !frame_sees_sphere(frame, craft->position_ecef, drawn->model.radius_m))
+#define MOVES_M 0.3 // beyond the box of the model, controls and a propeller
+
+// First roughly: the model is made only for a shadow that may be seen.
+static Result find_cast(CraftPass *pass, const Frame *frame, const RenderCraft *craft, const CraftLand *land,
+                        CraftCast *cast) {
+    double reach_m = craft_shape_reach_m(craft_shape(craft->kind));
+    CraftBox box = {craft->position_ecef, craft->ecef_from_body, vec3d(-reach_m, -reach_m, -reach_m),
+                    vec3d(reach_m, reach_m, reach_m)};
+    *cast = craft_cast_find(land, frame, &box, reach_m);
+    Result result = cast->falls ? have_model(pass, craft->kind) : RESULT_OK;
+    if (!cast->falls || result != RESULT_OK)
         return result;
-    fill_block(&pass->block, &drawn->model, frame, craft);
-    draw_model(pass, drawn, &craft->pose);
+    const CraftModel *model = &pass->models[craft->kind].model;
+    const Vec3d moves = {MOVES_M, MOVES_M, MOVES_M};
+    box.low = vec3d_sub(model->low, moves);
+    box.high = vec3d_add(model->high, moves);
+    *cast = craft_cast_find(land, frame, &box, reach_m);
     return RESULT_OK;
+}
+
+Result craft_pass_prepare(CraftPass *pass, const Frame *frame, const RenderCraft *craft, const CraftLand *land,
+                          CraftCast *cast) {
+    *cast = (CraftCast){0};
+    Result result = craft->casts ? find_cast(pass, frame, craft, land, cast) : RESULT_OK;
+    pass->seen =
+        craft->show && frame_sees_sphere(frame, craft->position_ecef, craft_shape_reach_m(craft_shape(craft->kind)));
+    if (result == RESULT_OK && !pass->seen && !cast->falls)
+        return RESULT_OK;
+    if (result == RESULT_OK)
+        result = have_parts(pass, craft->kind, pass->seen, cast->falls);
+    if (result != RESULT_OK) {
+        pass->seen = cast->falls = false;
+        return result;
+    }
+    fill_block(&pass->block, &pass->models[craft->kind].model, frame, craft);
+    draw_maps(pass, frame, craft, cast);
+    return RESULT_OK;
+}
+
+void craft_pass_draw(CraftPass *pass, const RenderCraft *craft) {
+    if (!pass->seen)
+        return;
+    const CraftModel *model = &pass->models[craft->kind].model;
+    bind(pass, craft->kind);
+    glUseProgram(pass->program);
+    draw_solids(model, &craft->pose);
+    draw_disc(model, &craft->pose);
+    glBindVertexArray(0);
 }

@@ -1,17 +1,22 @@
-// render/craft/craft_pass.h: draws an aircraft into the scene, in the same light and air as the land.
+// render/craft/craft_pass.h: draws an aircraft, in the same light and air as the land, and its shadow for the land.
 // Units as in render/frame.h.
-// A CraftPass owns its program, buffers and models; thread of the context.
+// A CraftPass owns its programs, buffers and models; thread of the context.
 #pragma once
+#include "render/craft/craft_cast.h"
 #include "render/frame.h"
 
 typedef struct CraftPass CraftPass;
 
-// Compiles the shaders. DEVICE, NOT_FOUND, MEMORY.
+// Programs and models are made when they are first needed. MEMORY.
 MUST_USE Result craft_pass_create(CraftPass **out);
 void craft_pass_destroy(CraftPass **pass);
 
-// Into the bound framebuffer, over what is there: the frame block and the tables of the air are bound. Builds the
-// kind's model when it is first drawn. Scissors are on before and after. Sets the test
-// of depth; leaves blending off. MEMORY:
-// nothing is drawn.
-MUST_USE Result craft_pass_draw(CraftPass *pass, const Frame *frame, const RenderCraft *craft);
+// Before the land is drawn: draws what the aircraft's own light needs, and, where its shadow falls on land that the
+// view shows, the map for shaders/craft_shade.glsl, and binds it. The frame block is not needed. Builds the kind's
+// model when it is first drawn. Leaves framebuffer, viewport and the scissor test changed. DEVICE, NOT_FOUND, MEMORY:
+// nothing falls.
+MUST_USE Result craft_pass_prepare(CraftPass *pass, const Frame *frame, const RenderCraft *craft, const CraftLand *land,
+                                   CraftCast *cast);
+// What was prepared, if it is shown, into the bound framebuffer, over what is there: the frame block and the tables of
+// the air are bound. Sets the test of depth; leaves blending off.
+void craft_pass_draw(CraftPass *pass, const RenderCraft *craft);

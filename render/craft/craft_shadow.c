@@ -12,7 +12,6 @@
 struct CraftShadow {
     int side;
     GLuint program, texture, framebuffer;
-    GLint kept_framebuffer, kept_viewport[4];
 };
 
 // Compared while it is sampled: 1 where the point is not behind what the map holds. Outside the map is sun.
@@ -82,19 +81,22 @@ static void put_row(float row[4], Vec3d axis, Vec3d centre, double radius_m) {
     row[3] = (float)(0.5 - vec3d_dot(axis, centre) * scale);
 }
 
-void craft_shadow_project(Vec3d sun_ecef, Vec3d centre_from_eye_m, double radius_m, float rows[3][4]) {
+void craft_shadow_axes(Vec3d sun_ecef, Vec3d *right, Vec3d *top) {
     Vec3d aside = fabs(sun_ecef.z) < 0.9 ? vec3d(0.0, 0.0, 1.0) : vec3d(1.0, 0.0, 0.0);
-    Vec3d right = vec3d_normalize(vec3d_cross(aside, sun_ecef)), up = vec3d_cross(sun_ecef, right);
+    *right = vec3d_normalize(vec3d_cross(aside, sun_ecef));
+    *top = vec3d_cross(sun_ecef, *right);
+}
+
+void craft_shadow_project(Vec3d sun_ecef, Vec3d centre_from_eye_m, double radius_m, float rows[3][4]) {
+    Vec3d right, top;
+    craft_shadow_axes(sun_ecef, &right, &top);
     put_row(rows[0], right, centre_from_eye_m, radius_m);
-    put_row(rows[1], up, centre_from_eye_m, radius_m);
+    put_row(rows[1], top, centre_from_eye_m, radius_m);
     put_row(rows[2], sun_ecef, centre_from_eye_m, radius_m);
 }
 
-// Scissors are off in here: they are those of a half of the picture.
 void craft_shadow_begin(CraftShadow *shadow) {
     const float farthest = 0.0f;
-    glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &shadow->kept_framebuffer);
-    glGetIntegerv(GL_VIEWPORT, shadow->kept_viewport);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, shadow->framebuffer);
     glViewport(0, 0, shadow->side, shadow->side);
     glDisable(GL_SCISSOR_TEST);
@@ -103,9 +105,5 @@ void craft_shadow_begin(CraftShadow *shadow) {
 }
 
 void craft_shadow_end(CraftShadow *shadow) {
-    const GLint *viewport = shadow->kept_viewport;
-    glEnable(GL_SCISSOR_TEST);
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, (GLuint)shadow->kept_framebuffer);
-    glViewport(viewport[0], viewport[1], viewport[2], viewport[3]);
     glBindTextureUnit(CRAFT_SHADOW_UNIT, shadow->texture);
 }

@@ -13,10 +13,12 @@ typedef struct CraftShadow CraftShadow;
 MUST_USE Result craft_shadow_create(CraftShadow **out);
 void craft_shadow_destroy(CraftShadow **shadow);
 
+// The map's axes in ECEF: to its right and its top.
+void craft_shadow_axes(Vec3d sun_ecef, Vec3d *right, Vec3d *top);
 // Rows of three columns and an offset, from metres from the eye to map coordinates and depth, for a sphere.
 void craft_shadow_project(Vec3d sun_ecef, Vec3d centre_from_eye_m, double radius_m, float rows[3][4]);
 
-// What is drawn between goes to the map; its vertices are transformed as by shaders/craft_shadow.vert. The end brings
-// back framebuffer and viewport, and binds the map.
+// What is drawn between goes to the map; its vertices are transformed as by shaders/craft_shadow.vert. Leaves the
+// framebuffer, the viewport and the scissor test changed. The end binds the map.
 void craft_shadow_begin(CraftShadow *shadow);
 void craft_shadow_end(CraftShadow *shadow);

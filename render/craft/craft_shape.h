@@ -148,3 +148,8 @@ typedef struct CraftShape {
 
 // Static. The dimensions' sources stand in craft_shape.c.
 const CraftShape *craft_shape(CraftKind kind);
+
+// No part is farther from the origin.
+static inline double craft_shape_reach_m(const CraftShape *shape) {
+    return 0.6 * (shape->span_m > shape->length_m ? shape->span_m : shape->length_m);
+}

@@ -32,7 +32,7 @@ struct DiamondPass {
     int32_t width, level_count;
     int64_t room; // triangles that can be drawn
     bool wet;
-    GLuint land_program, level_program, wire_program; // 0 until they are called for
+    GLuint land_programs[2], level_programs[2], wire_program; // without and with a shadow; 0 until they are called for
     GLuint draw_block;
     Budget budget;
     uint64_t settled;              // the first generation of the view as it is
@@ -60,8 +60,10 @@ void diamond_pass_destroy(DiamondPass **pass) {
     if (!self)
         return;
     diamond_gpu_destroy(&self->gpu);
-    glDeleteProgram(self->land_program);
-    glDeleteProgram(self->level_program);
+    for (int shaded = 0; shaded < 2; shaded++) {
+        glDeleteProgram(self->land_programs[shaded]);
+        glDeleteProgram(self->level_programs[shaded]);
+    }
     glDeleteProgram(self->wire_program);
     glDeleteBuffers(1, &self->draw_block);
     free(self);
@@ -227,17 +229,20 @@ static GLuint have_program(const ShaderSpec *spec, GLuint *program) {
     return *program;
 }
 
-static GLuint land_program(DiamondPass *pass) {
+static GLuint land_program(DiamondPass *pass, bool shaded) {
     char defines[96];
-    snprintf(defines, sizeof defines, "%s%s", pass->options.defines, pass->wet ? " WATER" : "");
+    snprintf(defines, sizeof defines, "%s%s%s", pass->options.defines, pass->wet ? " WATER" : "",
+             shaded ? " SHADED" : "");
     const ShaderSpec spec = {.stages = {"diamond_terrain.vert", "terrain.frag"}, .defines = defines};
-    return have_program(&spec, &pass->land_program);
+    return have_program(&spec, &pass->land_programs[shaded]);
 }
 
-static GLuint level_program(DiamondPass *pass) {
+static GLuint level_program(DiamondPass *pass, bool shaded) {
+    char defines[96];
+    snprintf(defines, sizeof defines, "%s%s", pass->options.defines, shaded ? " SHADED" : "");
     const ShaderSpec spec = {.stages = {"diamond_terrain.vert", "diamond_level.geom", "terrain.frag"},
-                             .defines = pass->options.defines};
-    return have_program(&spec, &pass->level_program);
+                             .defines = defines};
+    return have_program(&spec, &pass->level_programs[shaded]);
 }
 
 static void draw_with(const DiamondPass *pass, GLuint program) {
@@ -248,9 +253,9 @@ static void draw_with(const DiamondPass *pass, GLuint program) {
     diamond_gpu_draw(pass->gpu);
 }
 
-void diamond_pass_draw(DiamondPass *pass, RenderColouring colouring) {
+void diamond_pass_draw(DiamondPass *pass, RenderColouring colouring, bool shaded) {
     if (pass->gpu)
-        draw_with(pass, colouring == RENDER_COLOUR_LEVEL ? level_program(pass) : land_program(pass));
+        draw_with(pass, colouring == RENDER_COLOUR_LEVEL ? level_program(pass, shaded) : land_program(pass, shaded));
 }
 
 void diamond_pass_draw_wire(DiamondPass *pass) {

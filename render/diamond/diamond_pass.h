@@ -12,7 +12,7 @@ typedef struct DiamondPass DiamondPass;
 typedef struct DiamondPassOptions {
     bool software;
     bool wait;           // counts are known, and the budget is kept, before a frame is drawn
-    const char *defines; // of terrain.frag, without WATER; lives as long as the pass
+    const char *defines; // of terrain.frag, without WATER and SHADED; lives as long as the pass
 } DiamondPassOptions;
 
 MUST_USE Result diamond_pass_create(const DiamondPassOptions *options, DiamondPass **out);
@@ -23,7 +23,8 @@ void diamond_pass_destroy(DiamondPass **pass);
 // the model or a phase cannot be had, nothing is drawn, the stats say refused, and that model is not tried again.
 void diamond_pass_prepare(DiamondPass *pass, const Frame *frame, const Ground *ground, const LodCut *cut);
 // The land, or the edges of its triangles with the state for them set; nothing where the cut is not resident.
-void diamond_pass_draw(DiamondPass *pass, RenderColouring colouring);
+// Shaded: with what shaders/craft_shade.glsl needs bound.
+void diamond_pass_draw(DiamondPass *pass, RenderColouring colouring, bool shaded);
 void diamond_pass_draw_wire(DiamondPass *pass);
 void diamond_pass_count(const DiamondPass *pass, RenderCutStats *stats);
 size_t diamond_pass_bytes(const DiamondPass *pass);

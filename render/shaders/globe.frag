@@ -1,8 +1,11 @@
 #version 450 core
 // The Earth around the data: a sphere (in round space) as high as their rim. In: sky.vert. Out: the picture as
-// displayed. Bindings: blocks 0-2; textures 3 (noise), 8-9 (aerial.glsl), 10 the drape, 12-13 light on level ground.
-// Defines: DRAPE (an image lies on the globe where it reaches), SEA (it is sea, not land).
+// displayed. Bindings: blocks 0-2, 4; textures 3 (noise), 8-9 (aerial.glsl), 10 the drape, 12-13 light on level ground,
+// 15 the aircraft's shadow.
+// Defines: DRAPE (an image lies on the globe where it reaches), SEA (it is sea, not land), SHADED (an aircraft throws a
+// shadow).
 #include "aerial.glsl"
+#include "craft_shade.glsl"
 #include "drape.glsl"
 #include "frame.glsl"
 #include "ground.glsl"
@@ -62,6 +65,9 @@ vec3 globe_light(vec3 look, vec3 direction, float metres) {
     vec3 at = frame.eye_up.xyz * (EARTH_KM + frame.eye_up.w) + direction * metres * 1e-3; // round space, km
     vec3 up = normalize(at * ROUND);
     Lights lights = lights_at(normalize(at));
+#ifdef SHADED
+    lights.sun *= craft_passes(direction * metres / ROUND);
+#endif
 #ifdef SEA
     vec3 light = sea_light(up, lights, look, direction, metres);
 #else

@@ -1,8 +1,9 @@
 #version 450 core
 // Terrain patches: the land and its water under sun and sky, through the air. In: see terrain.vert.
-// Out: the picture as displayed. Bindings: blocks 0, 1; textures 0-4 (ground.glsl), 8-9 (aerial.glsl), 10 the drape.
+// Out: the picture as displayed. Bindings: blocks 0, 1, 4; textures 0-4 (ground.glsl), 8-9 (aerial.glsl), 10 the drape,
+// 15 the aircraft's shadow.
 // Defines: SEA (the globe around is sea, not land), HOLES (voids are not drawn), DRAPE (an image lies on the land),
-// WATER (there may be some).
+// WATER (there may be some), SHADED (an aircraft throws a shadow).
 #include "frame.glsl"
 #include "ground.glsl"
 #include "aerial.glsl"
@@ -10,6 +11,7 @@
 #include "water.glsl"
 #include "tone.glsl"
 #include "drape.glsl"
+#include "craft_shade.glsl"
 
 layout(location = 0) in vec3 at_m;
 layout(location = 1) in vec4 at_ground;
@@ -92,6 +94,9 @@ void main() {
     vec3 sun_light = mix(frame.light_sun[0].rgb, frame.light_sun[1].rgb, high);
     vec3 sky_light = mix(frame.light_sky[0].rgb, frame.light_sky[1].rgb, high) * SHADOW_FILL;
     float lit = sun_visible(uv, sun) * smoothstep(-0.03, 0.03, sun.z);
+#ifdef SHADED
+    lit *= craft_passes(at_m);
+#endif
     float open_sky = cell.b * (0.5 + 0.5 * lit_normal.z);
     vec3 direct = sun_light * max(dot(lit_normal, sun), 0.0) * lit;
     // Light from the ground around, as bright as the ground itself on average.
