@@ -351,6 +351,44 @@ static void a_session_with_a_crash_and_a_reset_is_flown_again(void **state) {
     unlink(path);
 }
 
+// A crash after a start on the wheels leads back there, as the recording has it.
+static void a_crash_after_a_start_on_the_ground_leads_back_there(void **state) {
+    const Fixture *fixture = *state;
+    static FlightSession session;
+    ReplayWorld standing = {.world = fixture->world.world};
+    FlightRecorder *recorder;
+    char path[128];
+    replay_path("stood", path);
+    assert_int_equal(options_create(COMMAND_FLY, &standing.options), RESULT_OK);
+    set_option(standing.options, OPTION_ON_GROUND, "yes");
+    begin_recorded(&(Fixture){.world = standing}, &session, path, &recorder);
+    const FlightState begin = session.flight.state;
+    session_on_key(&session, KEY_PAGE_UP, true, false);
+    fly_s(&session, 30.0);
+    session_on_key(&session, KEY_PAGE_UP, false, false);
+    session_on_key(&session, KEY_DOWN, true, false); // off the ground, and over
+    session.assist = false;
+    for (int i = 0; i < 60 * 60 && session.crashes == 0; i++)
+        session_advance(&session, 1.0 / 60.0);
+    session_on_key(&session, KEY_DOWN, false, false);
+    double away_m = vec3d_distance(session.flight.state.position_ecef, begin.position_ecef);
+    fly_s(&session, FLIGHT_RESET_S + 1.0);
+    FlightInstruments now = flight_instruments(&session.flight);
+    double back_m = vec3d_distance(session.flight.state.position_ecef, begin.position_ecef);
+    print_message("crashed %.0f m away; then %.3f m, %.1f m above the ground, throttle %.2f, parked %d\n", away_m,
+                  back_m, now.above_ground_m, session.flight.state.throttle, session.parked);
+    assert_true(session.crashes == 1 && away_m > 100.0 && back_m < 0.1 && session.parked);
+    assert_int_equal(session.flight.state.contact, FLIGHT_ROLLING);
+    assert_true(session.flight.state.throttle == 0.0 && now.speed_m_s < 0.1);
+    uint64_t hash = recorder_hash(recorder);
+    assert_int_equal(recorder_close(&recorder), RESULT_OK);
+    session_end(&session);
+    options_destroy(&standing.options);
+    RecordingVerdict verdict = replay_verdict(&fixture->world, path);
+    assert_true(verdict.equal && verdict.hash == hash);
+    unlink(path);
+}
+
 // F5: without --record too, and while the flight goes on.
 static void the_last_minutes_are_saved_by_a_key(void **state) {
     const Fixture *fixture = *state;
@@ -449,6 +487,7 @@ int main(void) {
         cmocka_unit_test(a_flight_goes_on_exactly_from_any_moment),
         cmocka_unit_test(what_is_flown_after_taking_over_is_recorded),
         cmocka_unit_test(a_session_with_a_crash_and_a_reset_is_flown_again),
+        cmocka_unit_test(a_crash_after_a_start_on_the_ground_leads_back_there),
         cmocka_unit_test(the_last_minutes_are_saved_by_a_key),
         cmocka_unit_test(the_map_shows_the_way_of_all_of_the_recording),
     };

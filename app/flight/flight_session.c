@@ -131,6 +131,7 @@ static void session_reset(FlightSession *session) {
     int64_t step = session->flight.state.step;
     session->flight.state = session->begin;
     session->flight.state.step = step;
+    session->flight.controls = session->begin_controls;
     begin_again(session);
     if (session->recorder)
         recorder_restart(session->recorder, RECORDING_EVENT_RESET, &session->flight);
@@ -287,7 +288,15 @@ static void hold_parked(FlightSession *session, Controls *controls) {
         controls->brake_left = controls->brake_right = 1.0;
 }
 
+// The model starts anew in the air; what began on its wheels goes back there instead, in the same moment.
+static void leave_crash(FlightSession *session) {
+    const FlightState *state = &session->flight.state;
+    if (session->stood && state->contact == FLIGHT_CRASHED && state->crashed_s + FLIGHT_STEP_S >= FLIGHT_RESET_S)
+        session_reset(session);
+}
+
 static void step(FlightSession *session) {
+    leave_crash(session);
     Controls controls = sample_keyboard(session);
     hold_parked(session, &controls);
     if (session->demo_flies)

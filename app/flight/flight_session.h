@@ -29,9 +29,11 @@ typedef struct FlightSession {
     const char *aircraft_name; // what aircraft_load finds it by; borrowed
     Flight flight;             // borrows the aircraft: the session stays where it is
     FlightState begin;
-    bool assist; // of the keys
-    bool parked; // the brakes hold until the throttle is moved
-    bool holds;  // the autopilot flies, as wished
+    Controls begin_controls; // hands off
+    bool stood;              // it began on its wheels: a crash leads back there
+    bool assist;             // of the keys
+    bool parked;             // the brakes hold until the throttle is moved
+    bool holds;              // the autopilot flies, as wished
     Autopilot hold;
     AutopilotWish wish;
     double propeller_rad; // how it stands

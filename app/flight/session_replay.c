@@ -120,6 +120,8 @@ void session_end_replay(FlightSession *session) {
     session->help = session->hold = (Autopilot){.engaged = false};
     session->holds = false;
     session->begin = session->flight.state;
+    session->begin_controls = session->keyboard.controls;
+    session->stood = false;
     if (session->recorder)
         recorder_restart(session->recorder, RECORDING_EVENT_TAKE_OVER, &session->flight);
     session_say(session, "you have control");
