@@ -279,6 +279,15 @@ def an_eye_under_the_ground_is_warned_of(cli):
         expect(f"warned of above the ground: {run.err!r}", "under the ground" in run.err, False)
 
 
+def a_start_that_cannot_be_is_told(cli):
+    fly = ["fly", *SMALL, "--no-window", "--frames", "1"]
+    cli.refused(2, ["--speed: an aircraft that starts standing", "(--on-ground)"], *fly, "--on-ground", "--speed", "90kt")
+    cli.refused(2, "OVERFLY_SPEED: an aircraft that starts standing", *fly, "--on-ground", OVERFLY_SPEED="90kt")
+    cli.refused(2, "--no-trim: an aircraft that starts standing", *fly, "--on-ground", "--no-trim")
+    cli.warned("--eye: 100 m is 618 m under the ground there: the flight starts 60 m above it, at 778 m", *fly, "--eye",
+               "36.58,-84.24,100")
+
+
 def missing_files_are_named_before_a_window_is_wanted(cli):
     cli.refused(1, "wrong.tif: No such file or directory", "fly", "wrong.tif")
     cli.refused(1, "wrong.png: No such file or directory", "fly", "--image", "wrong.png")
@@ -544,6 +553,7 @@ def a_flight_may_start_on_the_ground(cli):
         if not report["above_ground_m"] < 2.0 or not report["speed_m_s"] < 3.0 or not report["throttle"] < 0.01:
             raise Fault(f"{name}: {report['above_ground_m']} m above the ground, {report['speed_m_s']} m/s, throttle "
                         f"{report['throttle']}")
+
 
 
 def an_aircraft_is_chosen_by_name_or_file(cli):
@@ -843,6 +853,7 @@ CASES = [help_is_instant_and_complete, help_comes_even_with_a_damaged_file, wron
          a_track_of_another_land_is_told_and_tells_no_more_than_a_path,
          a_wrong_image_is_refused_in_one_message, image_bounds_without_an_image_are_wrong_usage,
          an_image_beside_the_terrain_is_warned_of, an_eye_under_the_ground_is_warned_of,
+         a_start_that_cannot_be_is_told,
          missing_files_are_named_before_a_window_is_wanted, info_names_every_file, overlapping_files_are_warned_of,
          paths_of_a_scene_are_written_plainly, a_budget_below_the_smallest_mesh_says_so,
          brute_keeps_the_budget_in_flight_only,

@@ -4,6 +4,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -14,6 +15,7 @@
 #include "app/demo/demo.h"
 #include "app/flight/flight_session.h"
 #include "app/flight/flight_settings.h"
+#include "app/flight/runway.h"
 #include "app/pipeline/frame_times.h"
 #include "base/clock.h"
 #include "base/paths.h"
@@ -305,11 +307,12 @@ typedef struct Started {
     FlightSession session; // too big for some stacks
 } Started;
 
-static Started *start_with(OptionId option, const char *value) {
+static Started *start_with(OptionId option, const char *value, OptionId other, const char *other_value) {
     Started *out = calloc(1, sizeof *out);
     assert_non_null(out);
     assert_int_equal(options_create(COMMAND_FLY, &out->options), RESULT_OK);
     assert_int_equal(options_set(out->options, option, value, SOURCE_COMMAND_LINE, "test"), RESULT_OK);
+    assert_int_equal(options_set(out->options, other, other_value, SOURCE_COMMAND_LINE, "test"), RESULT_OK);
     assert_int_equal(world_load(out->options, &out->world), RESULT_OK);
     assert_int_equal(session_create(&out->world, out->options, &out->session), RESULT_OK);
     return out;
@@ -324,7 +327,7 @@ static void leave(Started *started) {
 
 static void a_scene_starts_with_speed_to_spare_where_the_air_is_thin(void **state) {
     (void)state;
-    Started *high = start_with(OPTION_EYE, "36.5,-84.2,12000m");
+    Started *high = start_with(OPTION_EYE, "36.5,-84.2,12000m", OPTION_AIRCRAFT, AIRCRAFT_DEFAULT);
     FlightInstruments now = flight_instruments(&high->session.flight);
     double stall = airframe_stall_speed(&high->session.aircraft, isa_at(now.h_m).density, 0.0);
     print_message("%.1f m/s at %.0f m, where the stall comes at %.1f\n", now.true_airspeed, now.h_m, stall);
@@ -335,7 +338,7 @@ static void a_scene_starts_with_speed_to_spare_where_the_air_is_thin(void **stat
 // Its engine alone would roll it off.
 static void on_the_ground_it_stands_until_the_throttle_is_moved(void **state) {
     (void)state;
-    Started *started = start_with(OPTION_ON_GROUND, "yes");
+    Started *started = start_with(OPTION_ON_GROUND, "yes", OPTION_AIRCRAFT, AIRCRAFT_DEFAULT);
     FlightSession *session = &started->session;
     Vec3d from = session->flight.state.position_ecef;
     for (int i = 0; i < 60 * 20; i++)
@@ -359,7 +362,7 @@ static const RenderHud *told(FlightSession *session) {
 // Of hands and feet; what an autopilot does with the surfaces is no news.
 static void the_display_tells_rudder_and_trim_that_the_pilot_holds(void **state) {
     (void)state;
-    Started *started = start_with(OPTION_ASSIST, "no");
+    Started *started = start_with(OPTION_ASSIST, "no", OPTION_AIRCRAFT, AIRCRAFT_DEFAULT);
     FlightSession *session = &started->session;
     session_on_key(session, '0', true, false);
     session_on_key(session, KEY_END, true, false);
@@ -375,6 +378,90 @@ static void the_display_tells_rudder_and_trim_that_the_pilot_holds(void **state)
     session_advance(session, 0.1);
     assert_true(told(session)->autopilot && told(session)->trim == 0.0);
     leave(started);
+}
+
+// Slopes of a tenth all about, and a plain of 1400 m, 3 km north of the middle; "lake": one, 2 km south, to be left
+// alone.
+static bool valley_ground(void *user, double lat_rad, double lon_rad, double *h_m) {
+    double north_m = (lat_rad - 0.64) * GEODESY_A_M, east_m = (lon_rad + 1.47) * GEODESY_A_M * cos(0.64);
+    bool lake = user && fabs(north_m + 2000.0) < 900.0;
+    *h_m = 300.0 + 0.1 * fmax(fabs(north_m - 3000.0) - 700.0, 0.0) + 0.01 * fabs(east_m - 500.0);
+    if (lake)
+        *h_m = 500.0;
+    return fabs(north_m) < 20000.0;
+}
+
+static Result find_runway(const RunwayWish *wish, FlightGround ground, Runway *out) {
+    Result result = runway_find(&ground, wish, out);
+    if (result == RESULT_OK)
+        print_message("%.0f m north, %.0f m east, heading %.0f, %.1f %% steep, climb %.1f %%\n",
+                      (out->lat_rad - 0.64) * GEODESY_A_M, (out->lon_rad + 1.47) * GEODESY_A_M * cos(0.64),
+                      out->heading_rad / GEODESY_RAD_PER_DEG, 100.0 * out->slope, 100.0 * out->climb);
+    return result;
+}
+
+static void a_runway_is_where_the_ground_is_flat(void **state) {
+    (void)state;
+    RunwayWish wish = {.lat_rad = 0.64, .lon_rad = -1.47, .heading_rad = 1.0, .length_m = 1000.0};
+    Runway run, again;
+    bool lake = true;
+    assert_int_equal(find_runway(&wish, (FlightGround){valley_ground, NULL}, &run), RESULT_OK);
+    double north_m = (run.lat_rad - 0.64) * GEODESY_A_M;
+    assert_true(run.slope < 0.02 && run.climb < 0.03 && north_m > 2200.0 && north_m < 3800.0);
+    assert_int_equal(find_runway(&wish, (FlightGround){valley_ground, &lake}, &again), RESULT_OK);
+    assert_true(again.lat_rad == run.lat_rad && again.lon_rad == run.lon_rad && again.heading_rad == run.heading_rad);
+    // Northwards all of the plain is too short for it, and nothing else is flat.
+    wish.heading_rad = 0.0;
+    wish.heading_given = true;
+    wish.length_m = 3000.0;
+    assert_int_equal(find_runway(&wish, (FlightGround){valley_ground, NULL}, &run), RESULT_OK);
+    assert_true(run.heading_rad == 0.0 && run.slope > RUNWAY_SLOPE);
+    wish.lat_rad = 0.1;
+    assert_int_equal(find_runway(&wish, (FlightGround){valley_ground, NULL}, &run), RESULT_RANGE);
+}
+
+static void where_nothing_is_flat_it_is_said(void **state) {
+    (void)state;
+    Heard heard;
+    heard_begin(&heard);
+    Started *started = start_with(OPTION_ON_GROUND, "yes", OPTION_LOOK, "200,0");
+    heard_end();
+    assert_int_equal(heard.warnings, 1);
+    assert_non_null(strstr(heard.text, "nothing within 8 km of the start is flat for 13"));
+    assert_int_equal(started->session.flight.state.contact, FLIGHT_ROLLING);
+    leave(started);
+}
+
+// By the keys of README.md, without a look at where: full throttle, pull when fast enough, let go at eight degrees.
+static void every_aircraft_with_an_engine_takes_off_from_the_default_scene(void **state) {
+    (void)state;
+    static const struct {
+        const char *aircraft;
+        double pull_m_s;
+    } KINDS[] = {{"c172", 30.0}, {"t37", 50.0}};
+    for (size_t i = 0; i < COUNT_OF(KINDS); i++) {
+        Started *started = start_with(OPTION_ON_GROUND, "yes", OPTION_AIRCRAFT, KINDS[i].aircraft);
+        FlightSession *session = &started->session;
+        Vec3d from = session->flight.state.position_ecef;
+        double lifted_m = 0.0;
+        session_on_key(session, KEY_PAGE_UP, true, false);
+        for (int k = 0; k < 60 * 75; k++) {
+            FlightInstruments now = flight_instruments(&session->flight);
+            bool pulls = now.true_airspeed > KINDS[i].pull_m_s && now.pitch_rad < 8.0 * GEODESY_RAD_PER_DEG &&
+                         now.above_ground_m < 15.0;
+            session_on_key(session, KEY_DOWN, pulls, false);
+            session_advance(session, 1.0 / 60.0);
+            if (lifted_m == 0.0 && now.above_ground_m > 15.0)
+                lifted_m = vec3d_distance(session->flight.state.position_ecef, from);
+        }
+        FlightInstruments now = flight_instruments(&session->flight);
+        print_message("%s: at 15 m after %.0f m; then %.0f m high, %.0f m/s\n", KINDS[i].aircraft, lifted_m,
+                      now.above_ground_m, now.true_airspeed);
+        assert_int_equal(session->crashes, 0);
+        assert_int_equal(session->flight.state.contact, FLIGHT_AIRBORNE);
+        assert_true(now.over_ground && now.above_ground_m > 60.0);
+        leave(started);
+    }
 }
 
 static void flaps_gear_brakes_and_trim_follow_their_keys(void **state) {
@@ -469,6 +556,9 @@ int main(void) {
         cmocka_unit_test(a_scene_starts_with_speed_to_spare_where_the_air_is_thin),
         cmocka_unit_test(on_the_ground_it_stands_until_the_throttle_is_moved),
         cmocka_unit_test(the_display_tells_rudder_and_trim_that_the_pilot_holds),
+        cmocka_unit_test(a_runway_is_where_the_ground_is_flat),
+        cmocka_unit_test(where_nothing_is_flat_it_is_said),
+        cmocka_unit_test(every_aircraft_with_an_engine_takes_off_from_the_default_scene),
         cmocka_unit_test(flaps_gear_brakes_and_trim_follow_their_keys),
         cmocka_unit_test(broken_demos_are_refused_with_file_and_line),
         cmocka_unit_test(percentiles_are_of_the_latest_and_the_longest_of_all),
