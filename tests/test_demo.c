@@ -293,6 +293,19 @@ static void the_autopilot_holds_until_somebody_steers(void **state) {
                   (now.heading_rad - before.heading_rad) * 57.3, now.speed_m_s - before.speed_m_s);
     assert_true(session->holds && fabs(now.h_m - before.h_m) < 10.0 && fabs(now.speed_m_s - before.speed_m_s) < 2.0);
     assert_true(fabs(remainder(now.heading_rad - before.heading_rad, 6.283185307179586)) < 0.02);
+    // Far too low a height is not flown to, and it is said why.
+    FrameOrder *order = calloc(1, sizeof *order);
+    assert_non_null(order);
+    session_order(session, 640, 400, 0.0, 0.0, order);
+    assert_null(order->look.hud.warning);
+    session->wish.height_m = 0.0;
+    pass(session, 40.0);
+    session_order(session, 640, 400, 0.0, 0.0, order);
+    now = flight_instruments(&session->flight);
+    print_message("%.0f m above the ground: %s\n", now.above_ground_m, order->look.hud.warning);
+    assert_int_equal(strncmp(order->look.hud.warning, "TERRAIN AHEAD", 13), 0);
+    assert_true(session->crashes == 0 && now.above_ground_m > 20.0);
+    free(order);
     press(session, KEY_LEFT);
     pass(session, 0.5);
     assert_false(session->holds);

@@ -271,6 +271,76 @@ static void a_demo_reaches_its_places_without_touching_the_ground(void **state) 
     assert_true(lowest > 30.0);
 }
 
+// A ridge across the way, 6 km ahead, as high as the user says above the plain, rising by 45 degrees.
+static bool ridge_ground(void *user, double lat_rad, double lon_rad, double *h_m) {
+    double ahead_m = (lat_rad - 0.64) * GEODESY_A_M, high_m = *(const double *)user;
+    (void)lon_rad;
+    *h_m = 200.0 + fmax(high_m - fabs(ahead_m - 6000.0), 0.0);
+    return true;
+}
+
+typedef struct Held {
+    double lowest_m, warned_s, turned_rad, highest_m; // above ground; before the lowest; at most
+    FlightInstruments end;
+    bool crashed;
+} Held;
+
+// Holds what it begins with, straight on.
+static Held hold_for(const Aircraft *aircraft, const FlightStart *start, FlightGround ground, double seconds) {
+    Flight flight = flight_create(aircraft, start, ground);
+    FlightInstruments now = flight_instruments(&flight);
+    const AutopilotWish held = {.height_m = now.h_m, .heading_rad = now.heading_rad, .speed_m_s = now.speed_m_s};
+    TerrainWatch watch = terrain_watch_begin(&flight);
+    Autopilot autopilot = {.engaged = false};
+    Held out = {.lowest_m = INFINITY, .warned_s = INFINITY};
+    double lowest_s = 0.0;
+    for (int i = 0; i < (int)(seconds / STEP) && flight.state.contact != FLIGHT_CRASHED; i++) {
+        AutopilotWish wish = held;
+        terrain_watch_change(&watch, &flight, &wish);
+        Controls controls = autopilot_hold(&autopilot, &flight, &wish, STEP);
+        flight_step(&flight, &controls, STEP);
+        if (watch.ahead)
+            out.warned_s = fmin(out.warned_s, i * STEP);
+        out.turned_rad = fmax(out.turned_rad, fabs(watch.turn_rad));
+        if (i % 12 != 0)
+            continue;
+        now = flight_instruments(&flight);
+        lowest_s = now.above_ground_m < out.lowest_m ? i * STEP : lowest_s;
+        out.lowest_m = fmin(out.lowest_m, now.over_ground ? now.above_ground_m : INFINITY);
+        out.highest_m = fmax(out.highest_m, now.h_m);
+    }
+    out.warned_s = lowest_s - out.warned_s;
+    out.end = flight_instruments(&flight);
+    out.crashed = flight.state.contact == FLIGHT_CRASHED;
+    return out;
+}
+
+static void a_hold_flies_over_a_ridge_or_turns_away_until_it_can(void **state) {
+    (void)state;
+    static const struct {
+        const char *aircraft;
+        double ridge_m, seconds;
+        bool turns;
+    } KINDS[] = {{"c172", 400.0, 160.0, false},
+                 {"t37", 700.0, 80.0, false},
+                 {"c172", 800.0, 500.0, true},
+                 {"t37", 3000.0, 350.0, true}};
+    for (size_t i = 0; i < COUNT_OF(KINDS); i++) {
+        Aircraft aircraft;
+        double ridge_m = KINDS[i].ridge_m;
+        assert_int_equal(aircraft_load(KINDS[i].aircraft, &aircraft), RESULT_OK);
+        FlightStart start = {.lat_rad = 0.64, .lon_rad = -1.47, .h_m = 500.0, .speed_m_s = aircraft.cruise_speed};
+        Held held = hold_for(&aircraft, &start, (FlightGround){ridge_ground, &ridge_m}, KINDS[i].seconds);
+        double north_m = (held.end.lat_rad - 0.64) * GEODESY_A_M;
+        print_message("%s, ridge of %.0f m: never below %.0f m, warned %.0f s before, turned by %.2f rad; at the end "
+                      "%.0f m north\n",
+                      aircraft.id, ridge_m, held.lowest_m, held.warned_s, held.turned_rad, north_m);
+        assert_true(!held.crashed && held.lowest_m > 40.0 && north_m > 7000.0);
+        assert_true(held.warned_s > 30.0 && held.highest_m > ridge_m + 200.0);
+        assert_int_equal(held.turned_rad > 0.0, KINDS[i].turns);
+    }
+}
+
 // Re-simulation, as a replay needs it: the recorded controls again, over the real terrain; a machine under sanitizers
 // or many other jobs is given time.
 static void re_simulation_is_far_faster_than_time(void **state) {
@@ -323,6 +393,26 @@ static void leave(Started *started) {
     world_unload(&started->world);
     options_destroy(&started->options);
     free(started);
+}
+
+// Low, towards the mountains, with either engine.
+static void a_hold_never_flies_into_the_default_scene(void **state) {
+    (void)state;
+    Started *started = start_with(OPTION_ASSIST, "no", OPTION_AIRCRAFT, AIRCRAFT_DEFAULT);
+    static const char *const KINDS[] = {"c172", "t37"};
+    for (int i = 0; i < 8; i++) {
+        Aircraft aircraft;
+        assert_int_equal(aircraft_load(KINDS[i % 2], &aircraft), RESULT_OK);
+        FlightStart start = {.lat_rad = 36.59 * GEODESY_RAD_PER_DEG,
+                             .lon_rad = -84.245 * GEODESY_RAD_PER_DEG,
+                             .heading_rad = GEODESY_PI * (1.0 + i / 8.0),
+                             .speed_m_s = aircraft.cruise_speed};
+        Held held = hold_for(&aircraft, &start, session_ground(&started->world), 80.0);
+        print_message("%s, heading %.0f: never below %.0f m, turned by %.2f rad, at most %.0f m high\n", aircraft.id,
+                      start.heading_rad / GEODESY_RAD_PER_DEG, held.lowest_m, held.turned_rad, held.highest_m);
+        assert_true(!held.crashed && held.lowest_m > 20.0);
+    }
+    leave(started);
 }
 
 static void a_scene_starts_with_speed_to_spare_where_the_air_is_thin(void **state) {
@@ -556,6 +646,8 @@ int main(void) {
         cmocka_unit_test(a_scene_starts_with_speed_to_spare_where_the_air_is_thin),
         cmocka_unit_test(on_the_ground_it_stands_until_the_throttle_is_moved),
         cmocka_unit_test(the_display_tells_rudder_and_trim_that_the_pilot_holds),
+        cmocka_unit_test(a_hold_flies_over_a_ridge_or_turns_away_until_it_can),
+        cmocka_unit_test(a_hold_never_flies_into_the_default_scene),
         cmocka_unit_test(a_runway_is_where_the_ground_is_flat),
         cmocka_unit_test(where_nothing_is_flat_it_is_said),
         cmocka_unit_test(every_aircraft_with_an_engine_takes_off_from_the_default_scene),

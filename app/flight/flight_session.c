@@ -90,6 +90,7 @@ static void hold_or_not(FlightSession *session) {
     session->holds = !session->holds;
     session->hold = session->help = (Autopilot){.engaged = false};
     session->wish = (AutopilotWish){.height_m = now.h_m, .heading_rad = now.heading_rad, .speed_m_s = now.speed_m_s};
+    session->watch = terrain_watch_begin(&session->flight);
     session_say(session, session->holds ? "autopilot: this height, heading and speed" : "autopilot off");
 }
 
@@ -162,7 +163,10 @@ static void watch_kiosk(FlightSession *session, double passed_s) {
 
 // What it does not move is the pilot's.
 static Controls held_controls(FlightSession *session, const Controls *pilot) {
-    Controls held = autopilot_hold(&session->hold, &session->flight, &session->wish, FLIGHT_STEP_S);
+    AutopilotWish wish = session->wish;
+    if (session->flight.state.contact == FLIGHT_AIRBORNE)
+        terrain_watch_change(&session->watch, &session->flight, &wish);
+    Controls held = autopilot_hold(&session->hold, &session->flight, &wish, FLIGHT_STEP_S);
     held.flaps = pilot->flaps;
     held.gear_up = pilot->gear_up;
     held.brake_left = pilot->brake_left;

@@ -11,6 +11,7 @@
 #include "app/flight/telemetry.h"
 #include "app/pilot/feel.h"
 #include "app/pilot/pilot.h"
+#include "app/pilot/terrain_watch.h"
 #include "app/pipeline/pipeline.h"
 #include "app/replay/playback.h"
 #include "app/replay/timeline.h"
@@ -36,6 +37,7 @@ typedef struct FlightSession {
     bool holds;              // the autopilot flies, as wished
     Autopilot hold;
     AutopilotWish wish;
+    TerrainWatch watch;   // of the ground ahead of a hold
     double propeller_rad; // how it stands
     FlightSettings begin_settings;
     double kiosk_idle_s; // so long nobody touches anything until the demo begins again; 0: never

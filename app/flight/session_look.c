@@ -72,6 +72,15 @@ static bool pilot_flies(const FlightSession *session) {
     return !session->playback && !session->demo_flies && !session->holds;
 }
 
+// Of the autopilot; the words that the display shows, or NULL.
+static const char *warning(const FlightSession *session) {
+    bool flies = session->holds && !session->demo_flies && !session->playback;
+    if (!flies || !session->watch.ahead || session->flight.state.contact != FLIGHT_AIRBORNE)
+        return NULL;
+    return session->watch.turn_rad == 0.0 ? "TERRAIN AHEAD \xE2\x80\x93 flying over it"
+                                          : "TERRAIN AHEAD \xE2\x80\x93 turning away";
+}
+
 static RenderHud make_hud(const FlightSession *session, double frame_ms, double frame_p99_ms) {
     const FlightSettings *settings = &session->settings;
     FlightInstruments now = flight_instruments(&session->flight);
@@ -96,6 +105,7 @@ static RenderHud make_hud(const FlightSession *session, double frame_ms, double 
                        .trim = pilot_flies(session) && !session->help.engaged ? session->keyboard.controls.trim : 0.0,
                        .rudder = pilot_flies(session) ? session->keyboard.controls.rudder : 0.0,
                        .autopilot = session->holds && !session->demo_flies && !session->playback,
+                       .warning = warning(session),
                        .altitude_m = session_altitude_m(session, &now),
                        .above_ground_m = now.above_ground_m,
                        .vertical_speed_m_s = now.vertical_speed_m_s,

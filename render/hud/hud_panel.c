@@ -224,6 +224,8 @@ void hud_paint_message(const HudPainter *painter, const RenderHud *hud) {
         hud_paint_replay(painter, &hud->replay);
     else if (hud->paused)
         paint_plate(painter, layout->note, HUD_INK, "paused \xE2\x80\x93 press p to go on");
+    else if (hud->warning)
+        paint_plate(painter, layout->note, HUD_WARN, hud->warning);
     if (hud->message && hud->message[0])
         paint_plate(painter, layout->message, HUD_INK, hud->message);
 }
