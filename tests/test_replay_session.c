@@ -256,6 +256,56 @@ static void a_flight_goes_on_exactly_from_any_moment(void **state) {
     }
 }
 
+// The moment before the step `end` with the most of ailerons and rudder.
+static double wildest_s(const Flown *flown, uint32_t end) {
+    double most = 0.0, t_s = 0.0;
+    for (uint32_t p = 240; p < end; p += 3) {
+        FlightState state = flown_state(flown, p);
+        double much = state.contact == FLIGHT_AIRBORNE ? fmin(fabs(state.aileron), 3.0 * fabs(state.rudder)) : 0.0;
+        t_s = much > most ? p / 120.0 : t_s;
+        most = fmax(most, much);
+    }
+    return t_s;
+}
+
+// Step by step after Enter, with nobody at the controls: by how much the surfaces move in a step at most.
+static double most_moved(FlightSession *session) {
+    double most = 0.0;
+    for (int i = 0; i < 120; i++) {
+        const FlightState before = session->flight.state;
+        session_advance(session, FLIGHT_STEP_S);
+        const FlightState *now = &session->flight.state;
+        most = fmax(most, fmax(fabs(now->aileron - before.aileron), fabs(now->elevator - before.elevator)));
+        most = fmax(most, fabs(now->rudder - before.rudder));
+    }
+    return most;
+}
+
+// With help for keys, and without.
+static void nothing_jumps_when_it_is_taken_over_in_a_turn(void **state) {
+    const Fixture *fixture = *state;
+    for (int helped = 0; helped < 2; helped++) {
+        double at_s = wildest_s(&fixture->flown, helped ? DIVE : STEPS); // after the dive it tumbles, beyond all help
+        Shown *shown = show(fixture);
+        FlightSession *session = &shown->session;
+        session->assist = helped;
+        session_advance(session, at_s);
+        const FlightState begin = session->flight.state;
+        press(shown, KEY_ENTER);
+        double most = most_moved(session);
+        const FlightState *now = &session->flight.state;
+        print_message("at %.2f s, %s: aileron %.3f, rudder %.3f, elevator %.3f; at most %.4f in a step, to %.3f, %.3f, "
+                      "%.3f\n",
+                      at_s, helped ? "helped" : "alone", begin.aileron, begin.rudder, begin.elevator, most,
+                      now->aileron, now->rudder, now->elevator);
+        assert_true(fabs(begin.aileron) > 0.05 && most < 0.25 * fabs(begin.aileron));
+        assert_true(now->throttle == begin.throttle);
+        if (!helped)
+            assert_true(now->aileron == 0.0 && now->rudder == 0.0 && fabs(now->elevator - begin.elevator) < 1e-9);
+        end_show(shown);
+    }
+}
+
 // What was taken over is recorded as a flight of its own, with the land and the aircraft of the one before.
 static void what_is_flown_after_taking_over_is_recorded(void **state) {
     Fixture *fixture = *state;
@@ -389,6 +439,53 @@ static void a_crash_after_a_start_on_the_ground_leads_back_there(void **state) {
     unlink(path);
 }
 
+// Rolls out with brakes and flaps that are on their way down, into a file.
+static void record_a_roll(const Fixture *fixture, const char *path) {
+    static FlightSession session;
+    Fixture standing = {.world = {.world = fixture->world.world}};
+    FlightRecorder *recorder;
+    assert_int_equal(options_create(COMMAND_FLY, &standing.world.options), RESULT_OK);
+    set_option(standing.world.options, OPTION_ON_GROUND, "yes");
+    begin_recorded(&standing, &session, path, &recorder);
+    session_on_key(&session, KEY_PAGE_UP, true, false);
+    fly_s(&session, 8.0);
+    session_on_key(&session, KEY_PAGE_UP, false, false);
+    session_on_key(&session, KEY_PAGE_DOWN, true, false);
+    session_on_key(&session, ']', true, false);
+    session_on_key(&session, 'B', true, false);
+    fly_s(&session, 3.0);
+    assert_int_equal(recorder_close(&recorder), RESULT_OK);
+    session_end(&session);
+    options_destroy(&standing.world.options);
+}
+
+static void brakes_and_flaps_stay_as_recorded_until_they_are_touched(void **state) {
+    Fixture *fixture = *state;
+    Fixture roll = *fixture;
+    replay_path("roll", roll.flown.path);
+    record_a_roll(fixture, roll.flown.path);
+    for (int i = 0; i < 2; i++) {
+        Shown *shown = show(&roll);
+        FlightSession *session = &shown->session;
+        session_advance(session, 8.5);
+        double flaps = session->flight.state.flaps;
+        press(shown, KEY_ENTER);
+        fly_s(session, 1.0);
+        print_message("flaps %.2f when taken over, wanted %.2f; brakes %.2f\n", flaps, session->flown.flaps,
+                      session->flown.brake_left);
+        assert_true(flaps < 0.3 && fabs(session->flown.flaps - 1.0 / 3.0) < 1e-9);
+        assert_true(session->flown.brake_left == 1.0 && session->flown.brake_right == 1.0);
+        int key = i == 0 ? 'B' : KEY_PAGE_UP;
+        session_on_key(session, key, true, false);
+        fly_s(session, 0.2);
+        session_on_key(session, key, false, false);
+        fly_s(session, 0.1);
+        assert_true(session->flown.brake_left == 0.0 && session->flown.brake_right == 0.0);
+        end_show(shown);
+    }
+    unlink(roll.flown.path);
+}
+
 // F5: without --record too, and while the flight goes on.
 static void the_last_minutes_are_saved_by_a_key(void **state) {
     const Fixture *fixture = *state;
@@ -485,6 +582,8 @@ int main(void) {
         cmocka_unit_test(options_say_where_it_begins),
         cmocka_unit_test(a_replay_that_differs_says_so_once),
         cmocka_unit_test(a_flight_goes_on_exactly_from_any_moment),
+        cmocka_unit_test(nothing_jumps_when_it_is_taken_over_in_a_turn),
+        cmocka_unit_test(brakes_and_flaps_stay_as_recorded_until_they_are_touched),
         cmocka_unit_test(what_is_flown_after_taking_over_is_recorded),
         cmocka_unit_test(a_session_with_a_crash_and_a_reset_is_flown_again),
         cmocka_unit_test(a_crash_after_a_start_on_the_ground_leads_back_there),

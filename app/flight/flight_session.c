@@ -71,15 +71,20 @@ void session_govern(FlightSession *session, const PipelineStats *stats) {
     settings->tau_px = session->governor.tau_px;
 }
 
-Controls session_controls_of(const FlightState *state) {
-    return (Controls){
-        .trim = state->elevator, .throttle = state->throttle, .flaps = state->flaps, .gear_up = state->gear < 0.5};
+void session_hand_over(FlightSession *session, const Controls *before) {
+    session->keyboard.controls = (Controls){.trim = fmin(fmax(before->elevator + before->trim, -1.0), 1.0),
+                                            .throttle = before->throttle,
+                                            .flaps = before->flaps,
+                                            .gear_up = before->gear_up};
+    if (session->pilot)
+        pilot_keep(session->pilot, &session->keyboard);
+    session->help = session->hold = (Autopilot){.engaged = false};
+    session->hand_over = hand_over_begin(before);
 }
 
 static void take_over(FlightSession *session, const char *why) {
-    const FlightState *state = &session->flight.state;
     session->demo_flies = false;
-    session->keyboard.controls = session_controls_of(state);
+    session_hand_over(session, &session->flown);
     session_say(session, why);
 }
 
@@ -88,7 +93,7 @@ static void take_over(FlightSession *session, const char *why) {
 static void hold_or_not(FlightSession *session) {
     FlightInstruments now = flight_instruments(&session->flight);
     session->holds = !session->holds;
-    session->hold = session->help = (Autopilot){.engaged = false};
+    session_hand_over(session, &session->flown);
     session->wish = (AutopilotWish){.height_m = now.h_m, .heading_rad = now.heading_rad, .speed_m_s = now.speed_m_s};
     session->watch = terrain_watch_begin(&session->flight);
     session_say(session, session->holds ? "autopilot: this height, heading and speed" : "autopilot off");
@@ -98,7 +103,7 @@ static void end_hold(FlightSession *session) {
     if (!session->holds)
         return;
     session->holds = false;
-    session->keyboard.controls.trim = session->flight.state.elevator;
+    session_hand_over(session, &session->flown);
     session_say(session, "autopilot off: you have control");
 }
 
@@ -121,7 +126,8 @@ void session_on_repeat(FlightSession *session, int key) {
 
 // After a crash the controls are those of the new start.
 static void begin_again(FlightSession *session) {
-    session->keyboard.controls = session->flight.controls;
+    session->keyboard.controls = session->flown = session->flight.controls;
+    session->hand_over = (HandOver){.begins = false};
     session->help = session->hold = session->demo.autopilot = (Autopilot){.engaged = false};
     session->holds = false;
     session->parked = session->flight.state.contact == FLIGHT_ROLLING;
@@ -311,6 +317,9 @@ static void step(FlightSession *session) {
         controls = autopilot_assist(&session->help, &session->flight, &controls, FLIGHT_STEP_S);
     else
         session->help = (Autopilot){.engaged = false};
+    if (!session->demo_flies)
+        hand_over_ease(&session->hand_over, &controls, FLIGHT_STEP_S);
+    session->flown = controls;
     const FlightState before = session->flight.state;
     if (session->recorder)
         recorder_fly(session->recorder, &session->flight, &controls);

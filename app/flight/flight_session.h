@@ -10,6 +10,7 @@
 #include "app/flight/governor.h"
 #include "app/flight/telemetry.h"
 #include "app/pilot/feel.h"
+#include "app/pilot/hand_over.h"
 #include "app/pilot/pilot.h"
 #include "app/pilot/terrain_watch.h"
 #include "app/pipeline/pipeline.h"
@@ -38,6 +39,8 @@ typedef struct FlightSession {
     Autopilot hold;
     AutopilotWish wish;
     TerrainWatch watch;   // of the ground ahead of a hold
+    Controls flown;       // in the last step
+    HandOver hand_over;   // to who flies now
     double propeller_rad; // how it stands
     FlightSettings begin_settings;
     double kiosk_idle_s; // so long nobody touches anything until the demo begins again; 0: never
@@ -85,8 +88,9 @@ void session_on_repeat(FlightSession *session, int key);
 // Carries out key presses, then flies `passed_s` seconds on in fixed steps.
 void session_advance(FlightSession *session, double passed_s);
 void session_say(FlightSession *session, const char *message);
-// What a pilot's hands find who takes over: the surfaces where they are, the stick in the middle.
-Controls session_controls_of(const FlightState *state);
+// Who flies now goes on from these controls: levers where they were, the stick in the middle and the elevator where its
+// trim holds it; the rest fades.
+void session_hand_over(FlightSession *session, const Controls *before);
 // What a replay does with a key and with time; for session_on_key and session_advance.
 bool session_replay_key(FlightSession *session, int key);       // false: not one of its own
 bool session_replay_act(FlightSession *session, Action action); // false: as in any flight

@@ -100,7 +100,7 @@ static RenderHud make_hud(const FlightSession *session, double frame_ms, double 
                        .flaps = state->flaps,
                        .gear_retracts = !only_path && session->aircraft.gear_s > 0.0,
                        .gear = state->gear,
-                       .brakes = session->keyboard.controls.brake_left > 0.0 && !session->playback,
+                       .brakes = session->flown.brake_left > 0.0 && !session->playback,
                        // The help for keys trims by itself.
                        .trim = pilot_flies(session) && !session->help.engaged ? session->keyboard.controls.trim : 0.0,
                        .rudder = pilot_flies(session) ? session->keyboard.controls.rudder : 0.0,

@@ -165,7 +165,7 @@ static Result load_aircraft(const Options *options, FlightSession *session) {
 static void start(const Options *options, const Viewpoint *view, FlightSession *session) {
     session->flight = start_flight(session, options, view);
     session->begin = session->flight.state;
-    session->begin_controls = session->flight.controls;
+    session->begin_controls = session->flown = session->flight.controls;
     session->stood = session->parked = session->flight.state.contact == FLIGHT_ROLLING;
     session->keyboard = keyboard_create(session->flight.controls.throttle);
     session->keyboard.controls = session->flight.controls;

@@ -309,6 +309,17 @@ PlaybackMoment playback_scout(Playback *playback, double t_s) {
                             .in_gap = result != RESULT_OK || recording_player_is_in_gap(playback->scout)};
 }
 
+bool playback_controls(Playback *playback, double t_s, Controls *out) {
+    double share;
+    RecordingStep step = {.known = false};
+    if (!playback->reader || playback->end == playback->first)
+        return false;
+    int64_t at = step_of(playback, t_s, &share), last = (int64_t)playback->end - 1;
+    Result result = recording_reader_steps(playback->reader, (uint32_t)(at < last ? at : last), 1, &step);
+    *out = recording_controls(step.code);
+    return result == RESULT_OK && step.known;
+}
+
 // ---- as a track ----
 
 static TrackPoint point_of(const Playback *playback, const PlaybackMoment *moment, double t_s, bool after_gap) {

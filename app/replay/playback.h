@@ -49,6 +49,8 @@ PlaybackMoment playback_at_step(Playback *playback, double t_s);
 // As playback_at_step, for somebody who looks along the flight beside the one who watches it: what that keeps, and
 // playback_first_difference, stay as they are.
 PlaybackMoment playback_scout(Playback *playback, double t_s);
+// What the pilot did in the step that follows, or at the end in the last one. False: no recording, or lost.
+bool playback_controls(Playback *playback, double t_s, Controls *out);
 // The first step seen so far that was flown otherwise than recorded; -1: none, or no recording.
 int64_t playback_first_difference(const Playback *playback);
 // Flies the whole recording again. UNSUPPORTED: none; else as recording_verify.
