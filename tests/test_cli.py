@@ -687,12 +687,14 @@ def a_recorded_flight_is_flown_again(cli):
         for field, wanted in (("steps", RECORDED_STEPS), ("steps_missing", 0), ("equal", True), ("first_difference_step", -1),
                               ("expected_hash", verdict["hash"])):
             expect(f"{name}: {field}", verdict[field], wanted)
+        expect(f"{name}: events", verdict["events"], [{"step": 0, "t_s": 0, "event": "time-rate", "rate": 16},
+                                                      {"step": 0, "t_s": 0, "event": "demo-on"}])
         if not verdict["realtime_factor"] > 1:
             raise Fault(f"{verdict['realtime_factor']} times as fast as time")
         hashes.add(verdict["hash"])
     expect(f"hashes, found {hashes}", len(hashes), 1)
     text = cli.run("replay", "a.ofr", "--verify").out
-    for part in ("a.ofr: 960 steps flown again", "the same flight", hashes.pop()):
+    for part in ("a.ofr: 960 steps flown again", "the same flight", hashes.pop(), "events: 0:00:00 time-rate 16, 0:00:00 demo-on"):
         expect_in("verdict", part, text)
 
 
@@ -814,6 +816,7 @@ def a_recording_is_converted(cli):
         for name, wanted in (("format", "ofr"), ("points", points), ("gaps", 0), ("duration_s", 8), ("attitude", "recorded"),
                              ("output_format", ending)):
             expect(f"{ending}: {name}", report[name], wanted)
+        expect(f"{ending}: events", [event["event"] for event in report["events"]], ["time-rate", "demo-on"])
     cli.json("convert", "a.igc", "back.csv")
     flown, back = read_points(cli.path("a.csv")), read_points(cli.path("back.csv"))
     expect("points read again", len(back), 9)

@@ -13,6 +13,7 @@
 #include <math.h>
 #include <time.h>
 
+#include "app/replay/replay_events.h"
 #include "terrain/geodesy.h"
 #include "tests/heard.h"
 #include "tests/replay_support.h"
@@ -401,6 +402,57 @@ static void a_session_with_a_crash_and_a_reset_is_flown_again(void **state) {
     unlink(path);
 }
 
+static void tap(FlightSession *session, int key, bool shift) {
+    session_on_key(session, key, true, shift);
+    session_on_key(session, key, false, shift);
+    session_advance(session, 0.0);
+}
+
+static void what_happens_beside_the_controls_is_recorded(void **state) {
+    const Fixture *fixture = *state;
+    static FlightSession session;
+    static const struct {
+        const char *name;
+        uint32_t step;
+    } EXPECTED[] = {{"demo-on", 0},     {"pause", 120},    {"resume", 120}, {"time-rate", 120},
+                    {"time-rate", 360}, {"demo-off", 480}, {"reset", 480},  {"pause", 480}};
+    FlightRecorder *recorder;
+    ReplayEvents events;
+    char path[128];
+    replay_path("events", path);
+    begin_recorded(fixture, &session, path, &recorder);
+    session.demo_flies = true;
+    session.demo.count = 1;
+    session.demo.waypoints[0] = (Waypoint){1.0, 1.0, 5000.0, 110.0};
+    fly_s(&session, 1.0);
+    tap(&session, 'P', false);
+    fly_s(&session, 1.0);
+    tap(&session, 'P', false);
+    tap(&session, 'A', false);
+    fly_s(&session, 1.0);
+    tap(&session, 'A', true);
+    fly_s(&session, 1.0);
+    session_on_key(&session, KEY_LEFT, true, false); // takes over
+    session_on_key(&session, KEY_LEFT, false, false);
+    session_advance(&session, 0.0);
+    tap(&session, 'R', false);
+    tap(&session, 'P', false);
+    assert_int_equal(recorder_close(&recorder), RESULT_OK);
+    session_end(&session);
+    assert_true(replay_verdict(&fixture->world, path).equal);
+    Playback *playback = replay_open(&fixture->world, path);
+    assert_int_equal(replay_events_read(playback, &events), RESULT_OK);
+    replay_events_print(&events, "");
+    assert_int_equal(events.count, COUNT_OF(EXPECTED));
+    for (int i = 0; i < events.count; i++) {
+        assert_string_equal(recording_event_name(events.events[i].kind), EXPECTED[i].name);
+        assert_int_equal(events.events[i].step, EXPECTED[i].step);
+    }
+    replay_events_clear(&events);
+    playback_close(&playback);
+    unlink(path);
+}
+
 // A crash after a start on the wheels leads back there, as the recording has it.
 static void a_crash_after_a_start_on_the_ground_leads_back_there(void **state) {
     const Fixture *fixture = *state;
@@ -586,6 +638,7 @@ int main(void) {
         cmocka_unit_test(brakes_and_flaps_stay_as_recorded_until_they_are_touched),
         cmocka_unit_test(what_is_flown_after_taking_over_is_recorded),
         cmocka_unit_test(a_session_with_a_crash_and_a_reset_is_flown_again),
+        cmocka_unit_test(what_happens_beside_the_controls_is_recorded),
         cmocka_unit_test(a_crash_after_a_start_on_the_ground_leads_back_there),
         cmocka_unit_test(the_last_minutes_are_saved_by_a_key),
         cmocka_unit_test(the_map_shows_the_way_of_all_of_the_recording),

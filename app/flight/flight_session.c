@@ -1,5 +1,6 @@
 #include "app/flight/flight_session.h"
 
+#include "app/recording/recording_bytes.h"
 #include "base/log.h"
 #include "base/statistics.h"
 
@@ -340,6 +341,31 @@ static void act_on_presses(FlightSession *session) {
         act(session, action);
 }
 
+static void note_rate(FlightSession *session) {
+    double rate = flight_clock_rate(&session->settings.clock);
+    uint64_t bits;
+    uint8_t data[sizeof bits];
+    memcpy(&bits, &rate, sizeof bits);
+    recording_put64(data, bits);
+    recorder_event(session->recorder, RECORDING_EVENT_TIME_RATE, data, sizeof data);
+}
+
+// Of what has changed since the recording was told.
+static void note_events(FlightSession *session) {
+    const FlightClock *clock = &session->settings.clock;
+    const SessionNoted before = session->noted;
+    const SessionNoted now = {clock->paused, session->demo_flies, clock->rate - FLIGHT_CLOCK_NORMAL};
+    if (!session->recorder || session->playback)
+        return;
+    session->noted = now;
+    if (now.rate != before.rate)
+        note_rate(session);
+    if (now.demo != before.demo)
+        recorder_event(session->recorder, now.demo ? RECORDING_EVENT_DEMO_ON : RECORDING_EVENT_DEMO_OFF, NULL, 0);
+    if (now.paused != before.paused)
+        recorder_event(session->recorder, now.paused ? RECORDING_EVENT_PAUSE : RECORDING_EVENT_RESUME, NULL, 0);
+}
+
 static void fly_steps(FlightSession *session, double passed_s) {
     int steps = flight_clock_steps(&session->settings.clock, passed_s, FLIGHT_STEP_S);
     double step_ns = FLIGHT_STEP_S / flight_clock_rate(&session->settings.clock) * 1e9;
@@ -347,6 +373,7 @@ static void fly_steps(FlightSession *session, double passed_s) {
     for (int i = 0; i < steps; i++) {
         hear_pads(session, session->now_ns ? (int64_t)(end_ns - (steps - i) * step_ns) : PILOT_EVERYTHING);
         act_on_presses(session);
+        note_events(session);
         step(session);
     }
 }
@@ -372,6 +399,7 @@ void session_advance(FlightSession *session, double passed_s) {
     if (session->playback || session->settings.clock.paused)
         hear_pads(session, PILOT_EVERYTHING);
     act_on_presses(session);
+    note_events(session);
     if (session->playback)
         session_replay_advance(session, passed_s);
     else

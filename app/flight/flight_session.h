@@ -21,6 +21,12 @@
 
 #define SESSION_MESSAGE_S 3.0
 
+// What a recording was told of last; it begins with all of it normal.
+typedef struct SessionNoted {
+    bool paused, demo;
+    int rate; // FlightClock's, off its normal one
+} SessionNoted;
+
 typedef struct FlightSession {
     const World *world;
     FlightSettings settings;
@@ -53,6 +59,7 @@ typedef struct FlightSession {
     int64_t now_ns;           // until when session_advance flies, as base/clock.h counts; 0: not by a clock
     Telemetry *telemetry;     // borrowed; NULL: none
     FlightRecorder *recorder; // borrowed; NULL: nothing is recorded
+    SessionNoted noted;
     Demo demo;
     bool demo_flies;
     FlightMap map;

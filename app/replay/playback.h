@@ -53,10 +53,13 @@ PlaybackMoment playback_scout(Playback *playback, double t_s);
 bool playback_controls(Playback *playback, double t_s, Controls *out);
 // The first step seen so far that was flown otherwise than recorded; -1: none, or no recording.
 int64_t playback_first_difference(const Playback *playback);
+uint32_t playback_first_step(const Playback *playback); // of a recording, counted from the flight's begin; 0 else
+// As recording_reader_events. UNSUPPORTED: no recording.
+MUST_USE Result playback_events(Playback *playback, RecordingEvent **out, int *count);
 // Flies the whole recording again. UNSUPPORTED: none; else as recording_verify.
 MUST_USE Result playback_verify(Playback *playback, RecordingVerdict *out);
 // A track of it with a point every `interval_s`, gaps where something is lost or where it begins anew; to be cleared.
-// UNSUPPORTED: no recording; MEMORY; RANGE, logged: more points than tracks have.
+// Warns where the flight differs. UNSUPPORTED: no recording; MEMORY; RANGE, logged: more points than tracks have.
 MUST_USE Result playback_track(Playback *playback, double interval_s, Track *out);
-// The same of a file, which is opened for it. Warns where the flight differs. As playback_open and playback_track.
+// The same of a file, which is opened for it. As playback_open and playback_track.
 MUST_USE Result playback_load_track(const char *path, const PlaybackOptions *options, double interval_s, Track *out);
