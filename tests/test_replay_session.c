@@ -408,6 +408,24 @@ static void tap(FlightSession *session, int key, bool shift) {
     session_advance(session, 0.0);
 }
 
+// A demo that pauses, runs twice as fast and is taken over; then a new start, and a pause that nothing follows.
+static void fly_eventfully(FlightSession *session) {
+    session->demo_flies = true;
+    session->demo.count = 1;
+    session->demo.waypoints[0] = (Waypoint){1.0, 1.0, 5000.0, 110.0};
+    fly_s(session, 1.0);
+    tap(session, 'P', false);
+    fly_s(session, 1.0);
+    tap(session, 'P', false);
+    tap(session, 'A', false);
+    fly_s(session, 1.0);
+    tap(session, 'A', true);
+    fly_s(session, 1.0);
+    tap(session, KEY_LEFT, false);
+    tap(session, 'R', false);
+    tap(session, 'P', false);
+}
+
 static void what_happens_beside_the_controls_is_recorded(void **state) {
     const Fixture *fixture = *state;
     static FlightSession session;
@@ -421,22 +439,7 @@ static void what_happens_beside_the_controls_is_recorded(void **state) {
     char path[128];
     replay_path("events", path);
     begin_recorded(fixture, &session, path, &recorder);
-    session.demo_flies = true;
-    session.demo.count = 1;
-    session.demo.waypoints[0] = (Waypoint){1.0, 1.0, 5000.0, 110.0};
-    fly_s(&session, 1.0);
-    tap(&session, 'P', false);
-    fly_s(&session, 1.0);
-    tap(&session, 'P', false);
-    tap(&session, 'A', false);
-    fly_s(&session, 1.0);
-    tap(&session, 'A', true);
-    fly_s(&session, 1.0);
-    session_on_key(&session, KEY_LEFT, true, false); // takes over
-    session_on_key(&session, KEY_LEFT, false, false);
-    session_advance(&session, 0.0);
-    tap(&session, 'R', false);
-    tap(&session, 'P', false);
+    fly_eventfully(&session);
     assert_int_equal(recorder_close(&recorder), RESULT_OK);
     session_end(&session);
     assert_true(replay_verdict(&fixture->world, path).equal);

@@ -1,5 +1,6 @@
-// app/replay/replay_events.h: what happened in a recorded flight beside what the pilot did with the controls: pauses,
-// rates of time, demonstrations, new starts. Seconds from the recording's begin. A ReplayEvents owns its list.
+// app/replay/replay_events.h: what happened in a recorded flight beside the controls: pauses, rates of time, demos.
+// Seconds from the recording's begin.
+// A ReplayEvents owns its list. One thread at a time.
 #pragma once
 #include "app/json.h"
 #include "app/replay/playback.h"
