@@ -29,15 +29,15 @@ class FlightCli(Cli):
             file.write(text)
         return self.path(name)
 
-    def write_picture(self, name):
-        """A PNG of 2 x 2 red pixels."""
+    def write_picture(self, name, pixel=b"\xff\0\0", side=2):
+        """A PNG of red or other pixels."""
         def chunk(kind, data):
             body = kind + data
             return struct.pack(">I", len(data)) + body + struct.pack(">I", zlib.crc32(body))
 
         with open(self.path(name), "wb") as file:
-            file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 2, 2, 8, 2, 0, 0, 0)) +
-                       chunk(b"IDAT", zlib.compress(2 * (b"\0" + 2 * b"\xff\0\0"))) + chunk(b"IEND", b""))
+            file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", side, side, 8, 2, 0, 0, 0)) +
+                       chunk(b"IDAT", zlib.compress(side * (b"\0" + side * pixel))) + chunk(b"IEND", b""))
 
     def write_tile(self, name, side):
         """A flat .hgt, whose name says where it lies."""
@@ -284,6 +284,9 @@ def a_start_that_cannot_be_is_told(cli):
     cli.refused(2, ["--speed: an aircraft that starts standing", "(--on-ground)"], *fly, "--on-ground", "--speed", "90kt")
     cli.refused(2, "OVERFLY_SPEED: an aircraft that starts standing", *fly, "--on-ground", OVERFLY_SPEED="90kt")
     cli.refused(2, "--no-trim: an aircraft that starts standing", *fly, "--on-ground", "--no-trim")
+    cli.write_picture("meadow.png", b"\x80\x64\0", 9)  # 100 m high
+    run = cli.run("fly", "meadow.png", "--bounds=10,47,10.01,47.006", *SMALL, "--no-window", "--frames", "1", "--on-ground")
+    expect_in("on a meadow", "the land near the start is too small for the 1187 m", run.err)
     cli.warned("--eye: 100 m is 618 m under the ground there: the flight starts 60 m above it, at 778 m", *fly, "--eye",
                "36.58,-84.24,100")
 

@@ -105,9 +105,15 @@ static void choose_runway(const Options *options, const FlightSession *session, 
                              .heading_given = options_is_set(options, OPTION_LOOK),
                              .length_m = runway_length_m(&session->aircraft, h_m)};
     Runway run;
-    if (!options_flag(options, OPTION_ON_GROUND) || options_is_set(options, OPTION_EYE) ||
-        runway_find(&ground, &wish, &run) != RESULT_OK)
+    if (!options_flag(options, OPTION_ON_GROUND) || options_is_set(options, OPTION_EYE))
         return;
+    if (runway_find(&ground, &wish, &run) != RESULT_OK) {
+        log_warn(
+            "--on-ground: the land near the start is too small for the %.0f m that the aircraft rolls to take off; "
+            "it starts where it would in the air",
+            wish.length_m);
+        return;
+    }
     view->lat_deg = run.lat_rad / GEODESY_RAD_PER_DEG;
     view->lon_deg = run.lon_rad / GEODESY_RAD_PER_DEG;
     view->heading_deg = run.heading_rad / GEODESY_RAD_PER_DEG;
