@@ -312,6 +312,33 @@ static void the_autopilot_holds_until_somebody_steers(void **state) {
     end(stand);
 }
 
+// Switched off while it rolls into a turn: what it held fades.
+static void the_autopilot_lets_go_without_a_jump(void **state) {
+    (void)state;
+    Stand *stand = begin("round", false);
+    FlightSession *session = &stand->session;
+    press(session, KEY_UP);
+    pass(session, 1.0);
+    press(session, 'O');
+    session->wish.heading_rad += 2.0;
+    session->assist = false;
+    pass(session, 0.25);
+    const FlightState before = session->flight.state;
+    session_on_key(session, 'O', true, false);
+    session_advance(session, 2.0 * FLIGHT_STEP_S);
+    const FlightState *now = &session->flight.state;
+    assert_true(now->step > before.step);
+    double elevator = fabs(now->elevator - before.elevator), aileron = fabs(now->aileron - before.aileron);
+    print_message("aileron %.3f, then %.3f; elevator by %.4f, throttle by %.4f\n", before.aileron, now->aileron,
+                  elevator, fabs(now->throttle - before.throttle));
+    assert_false(session->holds);
+    assert_true(fabs(before.aileron) > 0.1 && aileron < 0.1 * fabs(before.aileron) && elevator < 0.01);
+    assert_true(fabs(now->throttle - before.throttle) < 0.01);
+    pass(session, 1.0);
+    assert_true(session->flight.state.aileron == 0.0);
+    end(stand);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_file_tells_its_title_and_where_it_is_wrong),
@@ -323,6 +350,7 @@ int main(void) {
         cmocka_unit_test(the_sticks_reports_turn_the_aircraft_over),
         cmocka_unit_test(a_stand_begins_again_when_nobody_steers),
         cmocka_unit_test(the_autopilot_holds_until_somebody_steers),
+        cmocka_unit_test(the_autopilot_lets_go_without_a_jump),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
