@@ -303,6 +303,7 @@ static void the_autopilot_holds_until_somebody_steers(void **state) {
     session_order(session, 640, 400, 0.0, 0.0, order);
     now = flight_instruments(&session->flight);
     print_message("%.0f m above the ground: %s\n", now.above_ground_m, order->look.hud.warning);
+    assert_non_null(order->look.hud.warning);
     assert_int_equal(strncmp(order->look.hud.warning, "TERRAIN AHEAD", 13), 0);
     assert_true(session->crashes == 0 && now.above_ground_m > 20.0);
     free(order);
