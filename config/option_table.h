@@ -116,7 +116,8 @@
     X(AIRCRAFT, "aircraft", 0, TEXT, "NAME|FILE", "t37", 0, 0, NULL, COMMANDS_FLIGHT | COMMAND_CONVERT,                \
       "what is flown: one that 'overfly aircraft' lists, or an aircraft file; replaying: instead of what was recorded")\
     X(TRIM, "trim", 0, FLAG, NULL, "true", 0, 0, NULL, COMMANDS_FLOWN, "start in steady flight")                       \
-    X(ON_GROUND, "on-ground", 0, FLAG, NULL, "false", 0, 0, NULL, COMMANDS_FLOWN, "start standing on the ground")      \
+    X(ON_GROUND, "on-ground", 0, FLAG, NULL, "false", 0, 0, NULL, COMMANDS_FLOWN,                                      \
+      "start standing on flat ground near the start, or where --eye says")                                             \
     X(ASSIST, "assist", 0, FLAG, NULL, "true", 0, 0, NULL, COMMANDS_FLOWN,                                             \
       "keys ask for rates of pitch and roll, and the path stays when let go; without: they move the surfaces")         \
     X(TIME_RATE, "time-rate", 0, CHOICE, NULL, "1", 0, 0, CHOICES_TIME_RATE, COMMANDS_FLOWN,                           \

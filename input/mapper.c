@@ -235,6 +235,16 @@ static void report_buttons(Mapper *mapper, int slot, const PadState *before, Key
     }
 }
 
+void mapper_keep(Mapper *mapper, Keyboard *keyboard) {
+    for (int control = 0; control < PAD_CONTROL_COUNT; control++) {
+        const double *set = of_keyboard(&keyboard->controls, control);
+        if (!set || pad_control_rests((PadControl)control))
+            continue;
+        set_driver(mapper, control, keys);
+        set_value(mapper, control, *set, keyboard);
+    }
+}
+
 // ---- Plugging --------------------------------------------------------------------------------------------------
 
 static void let_go(Mapper *mapper, int control) {

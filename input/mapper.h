@@ -62,6 +62,10 @@ void mapper_connect(Mapper *mapper, int slot, const PadInfo *info, const PadProf
 // trim); what its buttons held is released.
 void mapper_disconnect(Mapper *mapper, int slot, Keyboard *keyboard);
 
+// The keyboard's controls were set by somebody else: what stays where it is left (throttle, flaps, trim) has to be met
+// or crossed by an axis before that may have it again.
+void mapper_keep(Mapper *mapper, Keyboard *keyboard);
+
 // A pad's state, whenever it may have changed; acts in the next sample. Buttons become actions of the keyboard's queue,
 // once a press, or hold theirs; those that are down in the first report after plugging in (switches) count from when
 // they change. Values that are no numbers are ignored. An axis that does not drive its control takes it over when it

@@ -17,10 +17,3 @@ static const char *const names[PAD_AXIS_KIND_COUNT] = {
 const char *pad_axis_name(PadAxisKind kind) {
     return names[kind];
 }
-
-PadAxisKind pad_axis_of_name(const char *name) {
-    int kind = 0;
-    while (kind < PAD_AXIS_KIND_COUNT && strcmp(names[kind], name) != 0)
-        kind++;
-    return (PadAxisKind)kind;
-}

@@ -57,5 +57,3 @@ typedef struct PadState {
 // As before the first report: axes unknown, buttons up, hats centred.
 PadState pad_at_rest(void);
 const char *pad_axis_name(PadAxisKind kind);
-// The kind of that name; PAD_AXIS_KIND_COUNT when there is none.
-PadAxisKind pad_axis_of_name(const char *name);

@@ -73,6 +73,7 @@ typedef struct RenderHud {
     double gear;        // 0 up .. 1 down and locked
     bool brakes, autopilot;
     double trim, rudder; // that the pilot holds, shares of full: + nose up, + nose right; 0: neutral, or not told
+    const char *warning; // static, or NULL: none
     bool outside; // the camera is not on board: instead of the attitude the aircraft is marked where it is small, at
     Vec3d aircraft_ecef, nose_ecef, wing_ecef; // metres; unit, ahead; unit, to the right
     RenderMap map;

@@ -78,7 +78,7 @@ static uint64_t hash_toy(void *user) {
 
 static void hear_event(void *user, const RecordingEvent *event) {
     Toy *toy = user;
-    if (event->kind == RECORDING_EVENT_WIND && event->bytes == sizeof(double))
+    if (event->kind == TOY_EVENT_WIND && event->bytes == sizeof(double))
         memcpy(&toy->number[WIND_WORD], event->data, sizeof(double));
 }
 

@@ -17,7 +17,8 @@ typedef struct Toy {
 Toy toy_create(uint64_t seed);
 void toy_step(Toy *toy, const Controls *controls);
 uint64_t toy_hash(const Toy *toy);
-RecordingSim toy_sim(Toy *toy); // its events of kind WIND set a number
+#define TOY_EVENT_WIND ((RecordingEventKind)200) // sets a number
+RecordingSim toy_sim(Toy *toy);
 RecordingHeader toy_header(void);
 
 // Hands on a joystick whose four axes are sensors of 12 bits with noise, read at every step, with dead zones and

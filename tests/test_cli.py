@@ -29,15 +29,15 @@ class FlightCli(Cli):
             file.write(text)
         return self.path(name)
 
-    def write_picture(self, name):
-        """A PNG of 2 x 2 red pixels."""
+    def write_picture(self, name, pixel=b"\xff\0\0", side=2):
+        """A PNG of red or other pixels."""
         def chunk(kind, data):
             body = kind + data
             return struct.pack(">I", len(data)) + body + struct.pack(">I", zlib.crc32(body))
 
         with open(self.path(name), "wb") as file:
-            file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 2, 2, 8, 2, 0, 0, 0)) +
-                       chunk(b"IDAT", zlib.compress(2 * (b"\0" + 2 * b"\xff\0\0"))) + chunk(b"IEND", b""))
+            file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", side, side, 8, 2, 0, 0, 0)) +
+                       chunk(b"IDAT", zlib.compress(side * (b"\0" + side * pixel))) + chunk(b"IEND", b""))
 
     def write_tile(self, name, side):
         """A flat .hgt, whose name says where it lies."""
@@ -277,6 +277,18 @@ def an_eye_under_the_ground_is_warned_of(cli):
         cli.warned("m under the ground", *command, "--eye", "36.58,-84.24,100", "--look", "60,-5")
         run = cli.run(*command, "--eye", "36.58,-84.24,1500", "--look", "60,-5")
         expect(f"warned of above the ground: {run.err!r}", "under the ground" in run.err, False)
+
+
+def a_start_that_cannot_be_is_told(cli):
+    fly = ["fly", *SMALL, "--no-window", "--frames", "1"]
+    cli.refused(2, ["--speed: an aircraft that starts standing", "(--on-ground)"], *fly, "--on-ground", "--speed", "90kt")
+    cli.refused(2, "OVERFLY_SPEED: an aircraft that starts standing", *fly, "--on-ground", OVERFLY_SPEED="90kt")
+    cli.refused(2, "--no-trim: an aircraft that starts standing", *fly, "--on-ground", "--no-trim")
+    cli.write_picture("meadow.png", b"\x80\x64\0", 9)  # 100 m high
+    run = cli.run("fly", "meadow.png", "--bounds=10,47,10.01,47.006", *SMALL, "--no-window", "--frames", "1", "--on-ground")
+    expect_in("on a meadow", "the land near the start is too small for the 1187 m", run.err)
+    cli.warned("--eye: 100 m is 618 m under the ground there: the flight starts 60 m above it, at 778 m", *fly, "--eye",
+               "36.58,-84.24,100")
 
 
 def missing_files_are_named_before_a_window_is_wanted(cli):
@@ -546,6 +558,7 @@ def a_flight_may_start_on_the_ground(cli):
                         f"{report['throttle']}")
 
 
+
 def an_aircraft_is_chosen_by_name_or_file(cli):
     nowhere = ["nowhere.tif", "--no-window", "--frames", "1"]  # which would be told next
     cli.refused(1, "--aircraft: expected the file of an aircraft (.aircraft), or one of ask21, c172, t37; found 'c127'; did "
@@ -677,12 +690,14 @@ def a_recorded_flight_is_flown_again(cli):
         for field, wanted in (("steps", RECORDED_STEPS), ("steps_missing", 0), ("equal", True), ("first_difference_step", -1),
                               ("expected_hash", verdict["hash"])):
             expect(f"{name}: {field}", verdict[field], wanted)
+        expect(f"{name}: events", verdict["events"], [{"step": 0, "t_s": 0, "event": "time-rate", "rate": 16},
+                                                      {"step": 0, "t_s": 0, "event": "demo-on"}])
         if not verdict["realtime_factor"] > 1:
             raise Fault(f"{verdict['realtime_factor']} times as fast as time")
         hashes.add(verdict["hash"])
     expect(f"hashes, found {hashes}", len(hashes), 1)
     text = cli.run("replay", "a.ofr", "--verify").out
-    for part in ("a.ofr: 960 steps flown again", "the same flight", hashes.pop()):
+    for part in ("a.ofr: 960 steps flown again", "the same flight", hashes.pop(), "events: 0:00:00 time-rate 16, 0:00:00 demo-on"):
         expect_in("verdict", part, text)
 
 
@@ -804,6 +819,7 @@ def a_recording_is_converted(cli):
         for name, wanted in (("format", "ofr"), ("points", points), ("gaps", 0), ("duration_s", 8), ("attitude", "recorded"),
                              ("output_format", ending)):
             expect(f"{ending}: {name}", report[name], wanted)
+        expect(f"{ending}: events", [event["event"] for event in report["events"]], ["time-rate", "demo-on"])
     cli.json("convert", "a.igc", "back.csv")
     flown, back = read_points(cli.path("a.csv")), read_points(cli.path("back.csv"))
     expect("points read again", len(back), 9)
@@ -843,6 +859,7 @@ CASES = [help_is_instant_and_complete, help_comes_even_with_a_damaged_file, wron
          a_track_of_another_land_is_told_and_tells_no_more_than_a_path,
          a_wrong_image_is_refused_in_one_message, image_bounds_without_an_image_are_wrong_usage,
          an_image_beside_the_terrain_is_warned_of, an_eye_under_the_ground_is_warned_of,
+         a_start_that_cannot_be_is_told,
          missing_files_are_named_before_a_window_is_wanted, info_names_every_file, overlapping_files_are_warned_of,
          paths_of_a_scene_are_written_plainly, a_budget_below_the_smallest_mesh_says_so,
          brute_keeps_the_budget_in_flight_only,

@@ -293,9 +293,50 @@ static void the_autopilot_holds_until_somebody_steers(void **state) {
                   (now.heading_rad - before.heading_rad) * 57.3, now.speed_m_s - before.speed_m_s);
     assert_true(session->holds && fabs(now.h_m - before.h_m) < 10.0 && fabs(now.speed_m_s - before.speed_m_s) < 2.0);
     assert_true(fabs(remainder(now.heading_rad - before.heading_rad, 6.283185307179586)) < 0.02);
+    // Far too low a height is not flown to, and it is said why.
+    FrameOrder *order = calloc(1, sizeof *order);
+    assert_non_null(order);
+    session_order(session, 640, 400, 0.0, 0.0, order);
+    assert_null(order->look.hud.warning);
+    session->wish.height_m = 0.0;
+    pass(session, 40.0);
+    session_order(session, 640, 400, 0.0, 0.0, order);
+    now = flight_instruments(&session->flight);
+    print_message("%.0f m above the ground: %s\n", now.above_ground_m, order->look.hud.warning);
+    assert_non_null(order->look.hud.warning);
+    assert_int_equal(strncmp(order->look.hud.warning, "TERRAIN AHEAD", 13), 0);
+    assert_true(session->crashes == 0 && now.above_ground_m > 20.0);
+    free(order);
     press(session, KEY_LEFT);
     pass(session, 0.5);
     assert_false(session->holds);
+    end(stand);
+}
+
+// Switched off while it rolls into a turn: what it held fades.
+static void the_autopilot_lets_go_without_a_jump(void **state) {
+    (void)state;
+    Stand *stand = begin("round", false);
+    FlightSession *session = &stand->session;
+    press(session, KEY_UP);
+    pass(session, 1.0);
+    press(session, 'O');
+    session->wish.heading_rad += 2.0;
+    session->assist = false;
+    pass(session, 0.25);
+    const FlightState before = session->flight.state;
+    session_on_key(session, 'O', true, false);
+    session_advance(session, 2.0 * FLIGHT_STEP_S);
+    const FlightState *now = &session->flight.state;
+    assert_true(now->step > before.step);
+    double elevator = fabs(now->elevator - before.elevator), aileron = fabs(now->aileron - before.aileron);
+    print_message("aileron %.3f, then %.3f; elevator by %.4f, throttle by %.4f\n", before.aileron, now->aileron,
+                  elevator, fabs(now->throttle - before.throttle));
+    assert_false(session->holds);
+    assert_true(fabs(before.aileron) > 0.1 && aileron < 0.1 * fabs(before.aileron) && elevator < 0.01);
+    assert_true(fabs(now->throttle - before.throttle) < 0.01);
+    pass(session, 1.0);
+    assert_true(session->flight.state.aileron == 0.0);
     end(stand);
 }
 
@@ -310,6 +351,7 @@ int main(void) {
         cmocka_unit_test(the_sticks_reports_turn_the_aircraft_over),
         cmocka_unit_test(a_stand_begins_again_when_nobody_steers),
         cmocka_unit_test(the_autopilot_holds_until_somebody_steers),
+        cmocka_unit_test(the_autopilot_lets_go_without_a_jump),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -4,6 +4,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -14,6 +15,7 @@
 #include "app/demo/demo.h"
 #include "app/flight/flight_session.h"
 #include "app/flight/flight_settings.h"
+#include "app/flight/runway.h"
 #include "app/pipeline/frame_times.h"
 #include "base/clock.h"
 #include "base/paths.h"
@@ -269,6 +271,76 @@ static void a_demo_reaches_its_places_without_touching_the_ground(void **state) 
     assert_true(lowest > 30.0);
 }
 
+// A ridge across the way, 6 km ahead, as high as the user says above the plain, rising by 45 degrees.
+static bool ridge_ground(void *user, double lat_rad, double lon_rad, double *h_m) {
+    double ahead_m = (lat_rad - 0.64) * GEODESY_A_M, high_m = *(const double *)user;
+    (void)lon_rad;
+    *h_m = 200.0 + fmax(high_m - fabs(ahead_m - 6000.0), 0.0);
+    return true;
+}
+
+typedef struct Held {
+    double lowest_m, warned_s, turned_rad, highest_m; // above ground; before the lowest; at most
+    FlightInstruments end;
+    bool crashed;
+} Held;
+
+// Holds what it begins with, straight on.
+static Held hold_for(const Aircraft *aircraft, const FlightStart *start, FlightGround ground, double seconds) {
+    Flight flight = flight_create(aircraft, start, ground);
+    FlightInstruments now = flight_instruments(&flight);
+    const AutopilotWish held = {.height_m = now.h_m, .heading_rad = now.heading_rad, .speed_m_s = now.speed_m_s};
+    TerrainWatch watch = terrain_watch_begin(&flight);
+    Autopilot autopilot = {.engaged = false};
+    Held out = {.lowest_m = INFINITY, .warned_s = INFINITY};
+    double lowest_s = 0.0;
+    for (int i = 0; i < (int)(seconds / STEP) && flight.state.contact != FLIGHT_CRASHED; i++) {
+        AutopilotWish wish = held;
+        terrain_watch_change(&watch, &flight, &wish);
+        Controls controls = autopilot_hold(&autopilot, &flight, &wish, STEP);
+        flight_step(&flight, &controls, STEP);
+        if (watch.ahead)
+            out.warned_s = fmin(out.warned_s, i * STEP);
+        out.turned_rad = fmax(out.turned_rad, fabs(watch.turn_rad));
+        if (i % 12 != 0)
+            continue;
+        now = flight_instruments(&flight);
+        lowest_s = now.above_ground_m < out.lowest_m ? i * STEP : lowest_s;
+        out.lowest_m = fmin(out.lowest_m, now.over_ground ? now.above_ground_m : INFINITY);
+        out.highest_m = fmax(out.highest_m, now.h_m);
+    }
+    out.warned_s = lowest_s - out.warned_s;
+    out.end = flight_instruments(&flight);
+    out.crashed = flight.state.contact == FLIGHT_CRASHED;
+    return out;
+}
+
+static void a_hold_flies_over_a_ridge_or_turns_away_until_it_can(void **state) {
+    (void)state;
+    static const struct {
+        const char *aircraft;
+        double ridge_m, seconds;
+        bool turns;
+    } KINDS[] = {{"c172", 400.0, 160.0, false},
+                 {"t37", 700.0, 80.0, false},
+                 {"c172", 800.0, 500.0, true},
+                 {"t37", 3000.0, 350.0, true}};
+    for (size_t i = 0; i < COUNT_OF(KINDS); i++) {
+        Aircraft aircraft;
+        double ridge_m = KINDS[i].ridge_m;
+        assert_int_equal(aircraft_load(KINDS[i].aircraft, &aircraft), RESULT_OK);
+        FlightStart start = {.lat_rad = 0.64, .lon_rad = -1.47, .h_m = 500.0, .speed_m_s = aircraft.cruise_speed};
+        Held held = hold_for(&aircraft, &start, (FlightGround){ridge_ground, &ridge_m}, KINDS[i].seconds);
+        double north_m = (held.end.lat_rad - 0.64) * GEODESY_A_M;
+        print_message("%s, ridge of %.0f m: never below %.0f m, warned %.0f s before, turned by %.2f rad; at the end "
+                      "%.0f m north\n",
+                      aircraft.id, ridge_m, held.lowest_m, held.warned_s, held.turned_rad, north_m);
+        assert_true(!held.crashed && held.lowest_m > 40.0 && north_m > 7000.0);
+        assert_true(held.warned_s > 30.0 && held.highest_m > ridge_m + 200.0);
+        assert_int_equal(held.turned_rad > 0.0, KINDS[i].turns);
+    }
+}
+
 // Re-simulation, as a replay needs it: the recorded controls again, over the real terrain; a machine under sanitizers
 // or many other jobs is given time.
 static void re_simulation_is_far_faster_than_time(void **state) {
@@ -305,11 +377,12 @@ typedef struct Started {
     FlightSession session; // too big for some stacks
 } Started;
 
-static Started *start_with(OptionId option, const char *value) {
+static Started *start_with(OptionId option, const char *value, OptionId other, const char *other_value) {
     Started *out = calloc(1, sizeof *out);
     assert_non_null(out);
     assert_int_equal(options_create(COMMAND_FLY, &out->options), RESULT_OK);
     assert_int_equal(options_set(out->options, option, value, SOURCE_COMMAND_LINE, "test"), RESULT_OK);
+    assert_int_equal(options_set(out->options, other, other_value, SOURCE_COMMAND_LINE, "test"), RESULT_OK);
     assert_int_equal(world_load(out->options, &out->world), RESULT_OK);
     assert_int_equal(session_create(&out->world, out->options, &out->session), RESULT_OK);
     return out;
@@ -322,9 +395,29 @@ static void leave(Started *started) {
     free(started);
 }
 
+// Low, towards the mountains, with either engine.
+static void a_hold_never_flies_into_the_default_scene(void **state) {
+    (void)state;
+    Started *started = start_with(OPTION_ASSIST, "no", OPTION_AIRCRAFT, AIRCRAFT_DEFAULT);
+    static const char *const KINDS[] = {"c172", "t37"};
+    for (int i = 0; i < 8; i++) {
+        Aircraft aircraft;
+        assert_int_equal(aircraft_load(KINDS[i % 2], &aircraft), RESULT_OK);
+        FlightStart start = {.lat_rad = 36.59 * GEODESY_RAD_PER_DEG,
+                             .lon_rad = -84.245 * GEODESY_RAD_PER_DEG,
+                             .heading_rad = GEODESY_PI * (1.0 + i / 8.0),
+                             .speed_m_s = aircraft.cruise_speed};
+        Held held = hold_for(&aircraft, &start, session_ground(&started->world), 80.0);
+        print_message("%s, heading %.0f: never below %.0f m, turned by %.2f rad, at most %.0f m high\n", aircraft.id,
+                      start.heading_rad / GEODESY_RAD_PER_DEG, held.lowest_m, held.turned_rad, held.highest_m);
+        assert_true(!held.crashed && held.lowest_m > 20.0);
+    }
+    leave(started);
+}
+
 static void a_scene_starts_with_speed_to_spare_where_the_air_is_thin(void **state) {
     (void)state;
-    Started *high = start_with(OPTION_EYE, "36.5,-84.2,12000m");
+    Started *high = start_with(OPTION_EYE, "36.5,-84.2,12000m", OPTION_AIRCRAFT, AIRCRAFT_DEFAULT);
     FlightInstruments now = flight_instruments(&high->session.flight);
     double stall = airframe_stall_speed(&high->session.aircraft, isa_at(now.h_m).density, 0.0);
     print_message("%.1f m/s at %.0f m, where the stall comes at %.1f\n", now.true_airspeed, now.h_m, stall);
@@ -335,7 +428,7 @@ static void a_scene_starts_with_speed_to_spare_where_the_air_is_thin(void **stat
 // Its engine alone would roll it off.
 static void on_the_ground_it_stands_until_the_throttle_is_moved(void **state) {
     (void)state;
-    Started *started = start_with(OPTION_ON_GROUND, "yes");
+    Started *started = start_with(OPTION_ON_GROUND, "yes", OPTION_AIRCRAFT, AIRCRAFT_DEFAULT);
     FlightSession *session = &started->session;
     Vec3d from = session->flight.state.position_ecef;
     for (int i = 0; i < 60 * 20; i++)
@@ -359,7 +452,7 @@ static const RenderHud *told(FlightSession *session) {
 // Of hands and feet; what an autopilot does with the surfaces is no news.
 static void the_display_tells_rudder_and_trim_that_the_pilot_holds(void **state) {
     (void)state;
-    Started *started = start_with(OPTION_ASSIST, "no");
+    Started *started = start_with(OPTION_ASSIST, "no", OPTION_AIRCRAFT, AIRCRAFT_DEFAULT);
     FlightSession *session = &started->session;
     session_on_key(session, '0', true, false);
     session_on_key(session, KEY_END, true, false);
@@ -375,6 +468,90 @@ static void the_display_tells_rudder_and_trim_that_the_pilot_holds(void **state)
     session_advance(session, 0.1);
     assert_true(told(session)->autopilot && told(session)->trim == 0.0);
     leave(started);
+}
+
+// Slopes of a tenth all about, and a plain of 1400 m, 3 km north of the middle; "lake": one, 2 km south, to be left
+// alone.
+static bool valley_ground(void *user, double lat_rad, double lon_rad, double *h_m) {
+    double north_m = (lat_rad - 0.64) * GEODESY_A_M, east_m = (lon_rad + 1.47) * GEODESY_A_M * cos(0.64);
+    bool lake = user && fabs(north_m + 2000.0) < 900.0;
+    *h_m = 300.0 + 0.1 * fmax(fabs(north_m - 3000.0) - 700.0, 0.0) + 0.01 * fabs(east_m - 500.0);
+    if (lake)
+        *h_m = 500.0;
+    return fabs(north_m) < 20000.0;
+}
+
+static Result find_runway(const RunwayWish *wish, FlightGround ground, Runway *out) {
+    Result result = runway_find(&ground, wish, out);
+    if (result == RESULT_OK)
+        print_message("%.0f m north, %.0f m east, heading %.0f, %.1f %% steep, climb %.1f %%\n",
+                      (out->lat_rad - 0.64) * GEODESY_A_M, (out->lon_rad + 1.47) * GEODESY_A_M * cos(0.64),
+                      out->heading_rad / GEODESY_RAD_PER_DEG, 100.0 * out->slope, 100.0 * out->climb);
+    return result;
+}
+
+static void a_runway_is_where_the_ground_is_flat(void **state) {
+    (void)state;
+    RunwayWish wish = {.lat_rad = 0.64, .lon_rad = -1.47, .heading_rad = 1.0, .length_m = 1000.0};
+    Runway run, again;
+    bool lake = true;
+    assert_int_equal(find_runway(&wish, (FlightGround){valley_ground, NULL}, &run), RESULT_OK);
+    double north_m = (run.lat_rad - 0.64) * GEODESY_A_M;
+    assert_true(run.slope < 0.02 && run.climb < 0.03 && north_m > 2200.0 && north_m < 3800.0);
+    assert_int_equal(find_runway(&wish, (FlightGround){valley_ground, &lake}, &again), RESULT_OK);
+    assert_true(again.lat_rad == run.lat_rad && again.lon_rad == run.lon_rad && again.heading_rad == run.heading_rad);
+    // Northwards all of the plain is too short for it, and nothing else is flat.
+    wish.heading_rad = 0.0;
+    wish.heading_given = true;
+    wish.length_m = 3000.0;
+    assert_int_equal(find_runway(&wish, (FlightGround){valley_ground, NULL}, &run), RESULT_OK);
+    assert_true(run.heading_rad == 0.0 && run.slope > RUNWAY_SLOPE);
+    wish.lat_rad = 0.1;
+    assert_int_equal(find_runway(&wish, (FlightGround){valley_ground, NULL}, &run), RESULT_RANGE);
+}
+
+static void where_nothing_is_flat_it_is_said(void **state) {
+    (void)state;
+    Heard heard;
+    heard_begin(&heard);
+    Started *started = start_with(OPTION_ON_GROUND, "yes", OPTION_LOOK, "200,0");
+    heard_end();
+    assert_int_equal(heard.warnings, 1);
+    assert_non_null(strstr(heard.text, "nothing within 8 km of the start is flat for 13"));
+    assert_int_equal(started->session.flight.state.contact, FLIGHT_ROLLING);
+    leave(started);
+}
+
+// By the keys of README.md, without a look at where: full throttle, pull when fast enough, let go at eight degrees.
+static void every_aircraft_with_an_engine_takes_off_from_the_default_scene(void **state) {
+    (void)state;
+    static const struct {
+        const char *aircraft;
+        double pull_m_s;
+    } KINDS[] = {{"c172", 30.0}, {"t37", 50.0}};
+    for (size_t i = 0; i < COUNT_OF(KINDS); i++) {
+        Started *started = start_with(OPTION_ON_GROUND, "yes", OPTION_AIRCRAFT, KINDS[i].aircraft);
+        FlightSession *session = &started->session;
+        Vec3d from = session->flight.state.position_ecef;
+        double lifted_m = 0.0;
+        session_on_key(session, KEY_PAGE_UP, true, false);
+        for (int k = 0; k < 60 * 75; k++) {
+            FlightInstruments now = flight_instruments(&session->flight);
+            bool pulls = now.true_airspeed > KINDS[i].pull_m_s && now.pitch_rad < 8.0 * GEODESY_RAD_PER_DEG &&
+                         now.above_ground_m < 15.0;
+            session_on_key(session, KEY_DOWN, pulls, false);
+            session_advance(session, 1.0 / 60.0);
+            if (lifted_m == 0.0 && now.above_ground_m > 15.0)
+                lifted_m = vec3d_distance(session->flight.state.position_ecef, from);
+        }
+        FlightInstruments now = flight_instruments(&session->flight);
+        print_message("%s: at 15 m after %.0f m; then %.0f m high, %.0f m/s\n", KINDS[i].aircraft, lifted_m,
+                      now.above_ground_m, now.true_airspeed);
+        assert_int_equal(session->crashes, 0);
+        assert_int_equal(session->flight.state.contact, FLIGHT_AIRBORNE);
+        assert_true(now.over_ground && now.above_ground_m > 60.0);
+        leave(started);
+    }
 }
 
 static void flaps_gear_brakes_and_trim_follow_their_keys(void **state) {
@@ -469,6 +646,11 @@ int main(void) {
         cmocka_unit_test(a_scene_starts_with_speed_to_spare_where_the_air_is_thin),
         cmocka_unit_test(on_the_ground_it_stands_until_the_throttle_is_moved),
         cmocka_unit_test(the_display_tells_rudder_and_trim_that_the_pilot_holds),
+        cmocka_unit_test(a_hold_flies_over_a_ridge_or_turns_away_until_it_can),
+        cmocka_unit_test(a_hold_never_flies_into_the_default_scene),
+        cmocka_unit_test(a_runway_is_where_the_ground_is_flat),
+        cmocka_unit_test(where_nothing_is_flat_it_is_said),
+        cmocka_unit_test(every_aircraft_with_an_engine_takes_off_from_the_default_scene),
         cmocka_unit_test(flaps_gear_brakes_and_trim_follow_their_keys),
         cmocka_unit_test(broken_demos_are_refused_with_file_and_line),
         cmocka_unit_test(percentiles_are_of_the_latest_and_the_longest_of_all),

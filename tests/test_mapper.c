@@ -304,6 +304,25 @@ static void a_lever_within_two_hundredths_has_the_throttle(void **state) {
     expect_near("throttle, lever 0.015 above", desk.controls.throttle, 0.315, 1e-12);
 }
 
+// Even where it is set to what it was before the lever came to it, unseen.
+static void a_throttle_that_is_handed_over_waits_for_the_lever(void **state) {
+    (void)state;
+    Desk desk;
+    begin(&desk, 0.3);
+    put(&desk, 0, LEVER, lever_at(0.3));
+    put(&desk, 0, LEVER, lever_at(0.8));
+    desk.keyboard.controls.throttle = 0.3;
+    mapper_keep(&desk.mapper, &desk.keyboard);
+    sample(&desk);
+    expect_near("throttle, handed over", desk.controls.throttle, 0.3, 0.0);
+    put(&desk, 0, LEVER, lever_at(0.7));
+    sample(&desk);
+    expect_near("throttle, lever above", desk.controls.throttle, 0.3, 0.0);
+    put(&desk, 0, LEVER, lever_at(0.2));
+    sample(&desk);
+    expect_near("throttle, lever crossed it", desk.controls.throttle, 0.2, 1e-12);
+}
+
 static void a_lever_that_jumps_across_the_throttle_has_it(void **state) {
     (void)state;
     Desk desk;
@@ -642,6 +661,7 @@ int main(void) {
         cmocka_unit_test(a_report_acts_in_the_next_sample),
         cmocka_unit_test(the_throttle_takes_over_softly),
         cmocka_unit_test(a_lever_within_two_hundredths_has_the_throttle),
+        cmocka_unit_test(a_throttle_that_is_handed_over_waits_for_the_lever),
         cmocka_unit_test(a_lever_that_jumps_across_the_throttle_has_it),
         cmocka_unit_test(keys_that_bring_the_throttle_to_a_resting_lever_keep_it),
         cmocka_unit_test(an_unplugged_throttle_holds_and_a_plugged_one_waits),

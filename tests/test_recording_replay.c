@@ -145,10 +145,10 @@ static void test_another_flight_model_is_refused(void **state) {
 
 static void blow(RecordingWriter *writer, Toy *toy, double wind) {
     RecordingSim sim = toy_sim(toy);
-    RecordingEvent event = {.kind = RECORDING_EVENT_WIND, .bytes = sizeof wind};
+    RecordingEvent event = {.kind = TOY_EVENT_WIND, .bytes = sizeof wind};
     memcpy(event.data, &wind, sizeof wind);
     sim.event(toy, &event);
-    recording_writer_event(writer, RECORDING_EVENT_WIND, &wind, sizeof wind);
+    recording_writer_event(writer, TOY_EVENT_WIND, &wind, sizeof wind);
 }
 
 // Winds at all sorts of steps, also many at one; new starts, two of them at one step.

@@ -13,6 +13,7 @@
 #include <math.h>
 #include <time.h>
 
+#include "app/replay/replay_events.h"
 #include "terrain/geodesy.h"
 #include "tests/heard.h"
 #include "tests/replay_support.h"
@@ -256,6 +257,56 @@ static void a_flight_goes_on_exactly_from_any_moment(void **state) {
     }
 }
 
+// The moment before the step `end` with the most of ailerons and rudder.
+static double wildest_s(const Flown *flown, uint32_t end) {
+    double most = 0.0, t_s = 0.0;
+    for (uint32_t p = 240; p < end; p += 3) {
+        FlightState state = flown_state(flown, p);
+        double much = state.contact == FLIGHT_AIRBORNE ? fmin(fabs(state.aileron), 3.0 * fabs(state.rudder)) : 0.0;
+        t_s = much > most ? p / 120.0 : t_s;
+        most = fmax(most, much);
+    }
+    return t_s;
+}
+
+// Step by step after Enter, with nobody at the controls: by how much the surfaces move in a step at most.
+static double most_moved(FlightSession *session) {
+    double most = 0.0;
+    for (int i = 0; i < 120; i++) {
+        const FlightState before = session->flight.state;
+        session_advance(session, FLIGHT_STEP_S);
+        const FlightState *now = &session->flight.state;
+        most = fmax(most, fmax(fabs(now->aileron - before.aileron), fabs(now->elevator - before.elevator)));
+        most = fmax(most, fabs(now->rudder - before.rudder));
+    }
+    return most;
+}
+
+// With help for keys, and without.
+static void nothing_jumps_when_it_is_taken_over_in_a_turn(void **state) {
+    const Fixture *fixture = *state;
+    for (int helped = 0; helped < 2; helped++) {
+        double at_s = wildest_s(&fixture->flown, helped ? DIVE : STEPS); // after the dive it tumbles, beyond all help
+        Shown *shown = show(fixture);
+        FlightSession *session = &shown->session;
+        session->assist = helped;
+        session_advance(session, at_s);
+        const FlightState begin = session->flight.state;
+        press(shown, KEY_ENTER);
+        double most = most_moved(session);
+        const FlightState *now = &session->flight.state;
+        print_message("at %.2f s, %s: aileron %.3f, rudder %.3f, elevator %.3f; at most %.4f in a step, to %.3f, %.3f, "
+                      "%.3f\n",
+                      at_s, helped ? "helped" : "alone", begin.aileron, begin.rudder, begin.elevator, most,
+                      now->aileron, now->rudder, now->elevator);
+        assert_true(fabs(begin.aileron) > 0.05 && most < 0.25 * fabs(begin.aileron));
+        assert_true(now->throttle == begin.throttle);
+        if (!helped)
+            assert_true(now->aileron == 0.0 && now->rudder == 0.0 && fabs(now->elevator - begin.elevator) < 1e-9);
+        end_show(shown);
+    }
+}
+
 // What was taken over is recorded as a flight of its own, with the land and the aircraft of the one before.
 static void what_is_flown_after_taking_over_is_recorded(void **state) {
     Fixture *fixture = *state;
@@ -349,6 +400,145 @@ static void a_session_with_a_crash_and_a_reset_is_flown_again(void **state) {
     assert_int_equal(flight_state_hash(&end.state), flight_state_hash(&last));
     playback_close(&playback);
     unlink(path);
+}
+
+static void tap(FlightSession *session, int key, bool shift) {
+    session_on_key(session, key, true, shift);
+    session_on_key(session, key, false, shift);
+    session_advance(session, 0.0);
+}
+
+// A demo that pauses, runs twice as fast and is taken over; then a new start, and a pause that nothing follows.
+static void fly_eventfully(FlightSession *session) {
+    session->demo_flies = true;
+    session->demo.count = 1;
+    session->demo.waypoints[0] = (Waypoint){1.0, 1.0, 5000.0, 110.0};
+    fly_s(session, 1.0);
+    tap(session, 'P', false);
+    fly_s(session, 1.0);
+    tap(session, 'P', false);
+    tap(session, 'A', false);
+    fly_s(session, 1.0);
+    tap(session, 'A', true);
+    fly_s(session, 1.0);
+    tap(session, KEY_LEFT, false);
+    tap(session, 'R', false);
+    tap(session, 'P', false);
+}
+
+static void what_happens_beside_the_controls_is_recorded(void **state) {
+    const Fixture *fixture = *state;
+    static FlightSession session;
+    static const struct {
+        const char *name;
+        uint32_t step;
+    } EXPECTED[] = {{"demo-on", 0},     {"pause", 120},    {"resume", 120}, {"time-rate", 120},
+                    {"time-rate", 360}, {"demo-off", 480}, {"reset", 480},  {"pause", 480}};
+    FlightRecorder *recorder;
+    ReplayEvents events;
+    char path[128];
+    replay_path("events", path);
+    begin_recorded(fixture, &session, path, &recorder);
+    fly_eventfully(&session);
+    assert_int_equal(recorder_close(&recorder), RESULT_OK);
+    session_end(&session);
+    assert_true(replay_verdict(&fixture->world, path).equal);
+    Playback *playback = replay_open(&fixture->world, path);
+    assert_int_equal(replay_events_read(playback, &events), RESULT_OK);
+    replay_events_print(&events, "");
+    assert_int_equal(events.count, COUNT_OF(EXPECTED));
+    for (int i = 0; i < events.count; i++) {
+        assert_string_equal(recording_event_name(events.events[i].kind), EXPECTED[i].name);
+        assert_int_equal(events.events[i].step, EXPECTED[i].step);
+    }
+    replay_events_clear(&events);
+    playback_close(&playback);
+    unlink(path);
+}
+
+// A crash after a start on the wheels leads back there, as the recording has it.
+static void a_crash_after_a_start_on_the_ground_leads_back_there(void **state) {
+    const Fixture *fixture = *state;
+    static FlightSession session;
+    ReplayWorld standing = {.world = fixture->world.world};
+    FlightRecorder *recorder;
+    char path[128];
+    replay_path("stood", path);
+    assert_int_equal(options_create(COMMAND_FLY, &standing.options), RESULT_OK);
+    set_option(standing.options, OPTION_ON_GROUND, "yes");
+    begin_recorded(&(Fixture){.world = standing}, &session, path, &recorder);
+    const FlightState begin = session.flight.state;
+    session_on_key(&session, KEY_PAGE_UP, true, false);
+    fly_s(&session, 30.0);
+    session_on_key(&session, KEY_PAGE_UP, false, false);
+    session_on_key(&session, KEY_DOWN, true, false); // off the ground, and over
+    session.assist = false;
+    for (int i = 0; i < 60 * 60 && session.crashes == 0; i++)
+        session_advance(&session, 1.0 / 60.0);
+    session_on_key(&session, KEY_DOWN, false, false);
+    double away_m = vec3d_distance(session.flight.state.position_ecef, begin.position_ecef);
+    fly_s(&session, FLIGHT_RESET_S + 1.0);
+    FlightInstruments now = flight_instruments(&session.flight);
+    double back_m = vec3d_distance(session.flight.state.position_ecef, begin.position_ecef);
+    print_message("crashed %.0f m away; then %.3f m, %.1f m above the ground, throttle %.2f, parked %d\n", away_m,
+                  back_m, now.above_ground_m, session.flight.state.throttle, session.parked);
+    assert_true(session.crashes == 1 && away_m > 100.0 && back_m < 0.1 && session.parked);
+    assert_int_equal(session.flight.state.contact, FLIGHT_ROLLING);
+    assert_true(session.flight.state.throttle == 0.0 && now.speed_m_s < 0.1);
+    uint64_t hash = recorder_hash(recorder);
+    assert_int_equal(recorder_close(&recorder), RESULT_OK);
+    session_end(&session);
+    options_destroy(&standing.options);
+    RecordingVerdict verdict = replay_verdict(&fixture->world, path);
+    assert_true(verdict.equal && verdict.hash == hash);
+    unlink(path);
+}
+
+// Rolls out with brakes and flaps that are on their way down, into a file.
+static void record_a_roll(const Fixture *fixture, const char *path) {
+    static FlightSession session;
+    Fixture standing = {.world = {.world = fixture->world.world}};
+    FlightRecorder *recorder;
+    assert_int_equal(options_create(COMMAND_FLY, &standing.world.options), RESULT_OK);
+    set_option(standing.world.options, OPTION_ON_GROUND, "yes");
+    begin_recorded(&standing, &session, path, &recorder);
+    session_on_key(&session, KEY_PAGE_UP, true, false);
+    fly_s(&session, 8.0);
+    session_on_key(&session, KEY_PAGE_UP, false, false);
+    session_on_key(&session, KEY_PAGE_DOWN, true, false);
+    session_on_key(&session, ']', true, false);
+    session_on_key(&session, 'B', true, false);
+    fly_s(&session, 3.0);
+    assert_int_equal(recorder_close(&recorder), RESULT_OK);
+    session_end(&session);
+    options_destroy(&standing.world.options);
+}
+
+static void brakes_and_flaps_stay_as_recorded_until_they_are_touched(void **state) {
+    Fixture *fixture = *state;
+    Fixture roll = *fixture;
+    replay_path("roll", roll.flown.path);
+    record_a_roll(fixture, roll.flown.path);
+    for (int i = 0; i < 2; i++) {
+        Shown *shown = show(&roll);
+        FlightSession *session = &shown->session;
+        session_advance(session, 8.5);
+        double flaps = session->flight.state.flaps;
+        press(shown, KEY_ENTER);
+        fly_s(session, 1.0);
+        print_message("flaps %.2f when taken over, wanted %.2f; brakes %.2f\n", flaps, session->flown.flaps,
+                      session->flown.brake_left);
+        assert_true(flaps < 0.3 && fabs(session->flown.flaps - 1.0 / 3.0) < 1e-9);
+        assert_true(session->flown.brake_left == 1.0 && session->flown.brake_right == 1.0);
+        int key = i == 0 ? 'B' : KEY_PAGE_UP;
+        session_on_key(session, key, true, false);
+        fly_s(session, 0.2);
+        session_on_key(session, key, false, false);
+        fly_s(session, 0.1);
+        assert_true(session->flown.brake_left == 0.0 && session->flown.brake_right == 0.0);
+        end_show(shown);
+    }
+    unlink(roll.flown.path);
 }
 
 // F5: without --record too, and while the flight goes on.
@@ -447,8 +637,12 @@ int main(void) {
         cmocka_unit_test(options_say_where_it_begins),
         cmocka_unit_test(a_replay_that_differs_says_so_once),
         cmocka_unit_test(a_flight_goes_on_exactly_from_any_moment),
+        cmocka_unit_test(nothing_jumps_when_it_is_taken_over_in_a_turn),
+        cmocka_unit_test(brakes_and_flaps_stay_as_recorded_until_they_are_touched),
         cmocka_unit_test(what_is_flown_after_taking_over_is_recorded),
         cmocka_unit_test(a_session_with_a_crash_and_a_reset_is_flown_again),
+        cmocka_unit_test(what_happens_beside_the_controls_is_recorded),
+        cmocka_unit_test(a_crash_after_a_start_on_the_ground_leads_back_there),
         cmocka_unit_test(the_last_minutes_are_saved_by_a_key),
         cmocka_unit_test(the_map_shows_the_way_of_all_of_the_recording),
     };

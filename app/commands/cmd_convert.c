@@ -3,6 +3,7 @@
 #include "app/flight/flight_session.h"
 #include "app/json.h"
 #include "app/outputs.h"
+#include "app/replay/replay_events.h"
 #include "app/replay/replay_scene.h"
 #include "app/scene_load.h"
 #include "app/track/track_options.h"
@@ -21,6 +22,7 @@ typedef struct Convert {
     World world; // of a recording
     Geoid *geoid;
     Track track;
+    ReplayEvents events; // of a recording
 } Convert;
 
 #define RECORDING_ENDING ".ofr"
@@ -102,7 +104,14 @@ static Result fly_again(Convert *c, TrackReading how) {
                                      .aircraft = replay_aircraft(c->options),
                                      .ground = session_ground(&c->world),
                                      .dem_hash = dem_hash(terrain_dem(c->world.terrain))};
-    return playback_load_track(c->in, &options, interval_s(c), &c->track);
+    Playback *playback = NULL;
+    result = playback_open(c->in, &options, &playback);
+    if (result == RESULT_OK)
+        result = playback_track(playback, interval_s(c), &c->track);
+    if (result == RESULT_OK)
+        result = replay_events_read(playback, &c->events);
+    playback_close(&playback);
+    return result;
 }
 
 static Result read_points(Convert *c, TrackReading how) {
@@ -165,6 +174,8 @@ static Result print_json(const Convert *c) {
     Json *skipped = json_add_object(json, "skipped");
     for (int i = 0; i < TRACK_SKIP_COUNT; i++)
         json_add_integer(skipped, track_skip_name((TrackSkip)i), track->skipped[i]);
+    if (c->from == &recording)
+        replay_events_add(&c->events, json);
     json_add_text(json, "output", c->out);
     json_add_text(json, "output_format", c->to->name);
     json_add_bool(json, "output_attitude", c->to->has_attitude);
@@ -187,6 +198,7 @@ static void print_text(const Convert *c) {
     for (int i = 0; i < TRACK_SKIP_COUNT; i++)
         if (track->skipped[i] > 0)
             printf("left out  %lld points %s\n", (long long)track->skipped[i], track_skip_what((TrackSkip)i));
+    replay_events_print(&c->events, "events    ");
     printf("wrote     %s: %s%s\n", c->out, c->to->what, c->to->has_attitude ? "" : ", which has no attitude");
 }
 
@@ -204,6 +216,7 @@ Result cmd_convert(const Options *options) {
     else if (result == RESULT_OK && !options_flag(options, OPTION_QUIET))
         print_text(&convert);
     track_clear(&convert.track);
+    replay_events_clear(&convert.events);
     world_unload(&convert.world);
     geoid_close(&convert.geoid);
     return result;

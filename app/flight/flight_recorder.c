@@ -128,6 +128,10 @@ void recorder_restart(FlightRecorder *recorder, RecordingEventKind why, const Fl
     recording_writer_restart(recorder->writer, why, state);
 }
 
+void recorder_event(FlightRecorder *recorder, RecordingEventKind kind, const void *data, size_t bytes) {
+    recording_writer_event(recorder->writer, kind, data, bytes);
+}
+
 // ---- the last ten minutes ----
 
 static bool name_in(const char *folder, time_t now, int number, char out[PATHS_BYTES_MAX]) {

@@ -40,6 +40,8 @@ MUST_USE Result recorder_close(FlightRecorder **recorder);
 void recorder_fly(FlightRecorder *recorder, Flight *flight, const Controls *controls);
 // The state was set, not flown.
 void recorder_restart(FlightRecorder *recorder, RecordingEventKind why, const Flight *flight);
+// What happened between two steps beside the controls; `data` may be NULL for no bytes.
+void recorder_event(FlightRecorder *recorder, RecordingEventKind kind, const void *data, size_t bytes);
 // The last ten minutes to a new file in the folder for recordings; says in `message` where, or why not.
 void recorder_save(FlightRecorder *recorder, char message[RECORDER_MESSAGE_BYTES]);
 // What a person should know since the last call: the file is written, or cannot be; "" else.

@@ -1,5 +1,6 @@
 #include "app/flight/flight_session.h"
 
+#include "app/recording/recording_bytes.h"
 #include "base/log.h"
 #include "base/statistics.h"
 
@@ -71,15 +72,20 @@ void session_govern(FlightSession *session, const PipelineStats *stats) {
     settings->tau_px = session->governor.tau_px;
 }
 
-Controls session_controls_of(const FlightState *state) {
-    return (Controls){
-        .trim = state->elevator, .throttle = state->throttle, .flaps = state->flaps, .gear_up = state->gear < 0.5};
+void session_hand_over(FlightSession *session, const Controls *before) {
+    session->keyboard.controls = (Controls){.trim = fmin(fmax(before->elevator + before->trim, -1.0), 1.0),
+                                            .throttle = before->throttle,
+                                            .flaps = before->flaps,
+                                            .gear_up = before->gear_up};
+    if (session->pilot)
+        pilot_keep(session->pilot, &session->keyboard);
+    session->help = session->hold = (Autopilot){.engaged = false};
+    session->hand_over = hand_over_begin(before);
 }
 
 static void take_over(FlightSession *session, const char *why) {
-    const FlightState *state = &session->flight.state;
     session->demo_flies = false;
-    session->keyboard.controls = session_controls_of(state);
+    session_hand_over(session, &session->flown);
     session_say(session, why);
 }
 
@@ -88,8 +94,9 @@ static void take_over(FlightSession *session, const char *why) {
 static void hold_or_not(FlightSession *session) {
     FlightInstruments now = flight_instruments(&session->flight);
     session->holds = !session->holds;
-    session->hold = session->help = (Autopilot){.engaged = false};
+    session_hand_over(session, &session->flown);
     session->wish = (AutopilotWish){.height_m = now.h_m, .heading_rad = now.heading_rad, .speed_m_s = now.speed_m_s};
+    session->watch = terrain_watch_begin(&session->flight);
     session_say(session, session->holds ? "autopilot: this height, heading and speed" : "autopilot off");
 }
 
@@ -97,7 +104,7 @@ static void end_hold(FlightSession *session) {
     if (!session->holds)
         return;
     session->holds = false;
-    session->keyboard.controls.trim = session->flight.state.elevator;
+    session_hand_over(session, &session->flown);
     session_say(session, "autopilot off: you have control");
 }
 
@@ -120,7 +127,8 @@ void session_on_repeat(FlightSession *session, int key) {
 
 // After a crash the controls are those of the new start.
 static void begin_again(FlightSession *session) {
-    session->keyboard.controls = session->flight.controls;
+    session->keyboard.controls = session->flown = session->flight.controls;
+    session->hand_over = (HandOver){.begins = false};
     session->help = session->hold = session->demo.autopilot = (Autopilot){.engaged = false};
     session->holds = false;
     session->parked = session->flight.state.contact == FLIGHT_ROLLING;
@@ -131,6 +139,7 @@ static void session_reset(FlightSession *session) {
     int64_t step = session->flight.state.step;
     session->flight.state = session->begin;
     session->flight.state.step = step;
+    session->flight.controls = session->begin_controls;
     begin_again(session);
     if (session->recorder)
         recorder_restart(session->recorder, RECORDING_EVENT_RESET, &session->flight);
@@ -161,7 +170,10 @@ static void watch_kiosk(FlightSession *session, double passed_s) {
 
 // What it does not move is the pilot's.
 static Controls held_controls(FlightSession *session, const Controls *pilot) {
-    Controls held = autopilot_hold(&session->hold, &session->flight, &session->wish, FLIGHT_STEP_S);
+    AutopilotWish wish = session->wish;
+    if (session->flight.state.contact == FLIGHT_AIRBORNE)
+        terrain_watch_change(&session->watch, &session->flight, &wish);
+    Controls held = autopilot_hold(&session->hold, &session->flight, &wish, FLIGHT_STEP_S);
     held.flaps = pilot->flaps;
     held.gear_up = pilot->gear_up;
     held.brake_left = pilot->brake_left;
@@ -287,7 +299,15 @@ static void hold_parked(FlightSession *session, Controls *controls) {
         controls->brake_left = controls->brake_right = 1.0;
 }
 
+// The model starts anew in the air; what began on its wheels goes back there instead, in the same moment.
+static void leave_crash(FlightSession *session) {
+    const FlightState *state = &session->flight.state;
+    if (session->stood && state->contact == FLIGHT_CRASHED && state->crashed_s + FLIGHT_STEP_S >= FLIGHT_RESET_S)
+        session_reset(session);
+}
+
 static void step(FlightSession *session) {
+    leave_crash(session);
     Controls controls = sample_keyboard(session);
     hold_parked(session, &controls);
     if (session->demo_flies)
@@ -298,6 +318,9 @@ static void step(FlightSession *session) {
         controls = autopilot_assist(&session->help, &session->flight, &controls, FLIGHT_STEP_S);
     else
         session->help = (Autopilot){.engaged = false};
+    if (!session->demo_flies)
+        hand_over_ease(&session->hand_over, &controls, FLIGHT_STEP_S);
+    session->flown = controls;
     const FlightState before = session->flight.state;
     if (session->recorder)
         recorder_fly(session->recorder, &session->flight, &controls);
@@ -318,6 +341,31 @@ static void act_on_presses(FlightSession *session) {
         act(session, action);
 }
 
+static void note_rate(FlightSession *session) {
+    double rate = flight_clock_rate(&session->settings.clock);
+    uint64_t bits;
+    uint8_t data[sizeof bits];
+    memcpy(&bits, &rate, sizeof bits);
+    recording_put64(data, bits);
+    recorder_event(session->recorder, RECORDING_EVENT_TIME_RATE, data, sizeof data);
+}
+
+// Of what has changed since the recording was told.
+static void note_events(FlightSession *session) {
+    const FlightClock *clock = &session->settings.clock;
+    const SessionNoted before = session->noted;
+    const SessionNoted now = {clock->paused, session->demo_flies, clock->rate - FLIGHT_CLOCK_NORMAL};
+    if (!session->recorder || session->playback)
+        return;
+    session->noted = now;
+    if (now.rate != before.rate)
+        note_rate(session);
+    if (now.demo != before.demo)
+        recorder_event(session->recorder, now.demo ? RECORDING_EVENT_DEMO_ON : RECORDING_EVENT_DEMO_OFF, NULL, 0);
+    if (now.paused != before.paused)
+        recorder_event(session->recorder, now.paused ? RECORDING_EVENT_PAUSE : RECORDING_EVENT_RESUME, NULL, 0);
+}
+
 static void fly_steps(FlightSession *session, double passed_s) {
     int steps = flight_clock_steps(&session->settings.clock, passed_s, FLIGHT_STEP_S);
     double step_ns = FLIGHT_STEP_S / flight_clock_rate(&session->settings.clock) * 1e9;
@@ -325,6 +373,7 @@ static void fly_steps(FlightSession *session, double passed_s) {
     for (int i = 0; i < steps; i++) {
         hear_pads(session, session->now_ns ? (int64_t)(end_ns - (steps - i) * step_ns) : PILOT_EVERYTHING);
         act_on_presses(session);
+        note_events(session);
         step(session);
     }
 }
@@ -350,6 +399,7 @@ void session_advance(FlightSession *session, double passed_s) {
     if (session->playback || session->settings.clock.paused)
         hear_pads(session, PILOT_EVERYTHING);
     act_on_presses(session);
+    note_events(session);
     if (session->playback)
         session_replay_advance(session, passed_s);
     else

@@ -10,7 +10,9 @@
 #include "app/flight/governor.h"
 #include "app/flight/telemetry.h"
 #include "app/pilot/feel.h"
+#include "app/pilot/hand_over.h"
 #include "app/pilot/pilot.h"
+#include "app/pilot/terrain_watch.h"
 #include "app/pipeline/pipeline.h"
 #include "app/replay/playback.h"
 #include "app/replay/timeline.h"
@@ -18,6 +20,12 @@
 #include "input/keyboard.h"
 
 #define SESSION_MESSAGE_S 3.0
+
+// What a recording was told of last; it begins with all of it normal.
+typedef struct SessionNoted {
+    bool paused, demo;
+    int rate; // FlightClock's, off its normal one
+} SessionNoted;
 
 typedef struct FlightSession {
     const World *world;
@@ -29,11 +37,16 @@ typedef struct FlightSession {
     const char *aircraft_name; // what aircraft_load finds it by; borrowed
     Flight flight;             // borrows the aircraft: the session stays where it is
     FlightState begin;
-    bool assist; // of the keys
-    bool parked; // the brakes hold until the throttle is moved
-    bool holds;  // the autopilot flies, as wished
+    Controls begin_controls; // hands off
+    bool stood;              // it began on its wheels: a crash leads back there
+    bool assist;             // of the keys
+    bool parked;             // the brakes hold until the throttle is moved
+    bool holds;              // the autopilot flies, as wished
     Autopilot hold;
     AutopilotWish wish;
+    TerrainWatch watch;   // of the ground ahead of a hold
+    Controls flown;       // in the last step
+    HandOver hand_over;   // to who flies now
     double propeller_rad; // how it stands
     FlightSettings begin_settings;
     double kiosk_idle_s; // so long nobody touches anything until the demo begins again; 0: never
@@ -46,6 +59,7 @@ typedef struct FlightSession {
     int64_t now_ns;           // until when session_advance flies, as base/clock.h counts; 0: not by a clock
     Telemetry *telemetry;     // borrowed; NULL: none
     FlightRecorder *recorder; // borrowed; NULL: nothing is recorded
+    SessionNoted noted;
     Demo demo;
     bool demo_flies;
     FlightMap map;
@@ -81,8 +95,9 @@ void session_on_repeat(FlightSession *session, int key);
 // Carries out key presses, then flies `passed_s` seconds on in fixed steps.
 void session_advance(FlightSession *session, double passed_s);
 void session_say(FlightSession *session, const char *message);
-// What a pilot's hands find who takes over: the surfaces where they are, the stick in the middle.
-Controls session_controls_of(const FlightState *state);
+// Who flies now goes on from these controls: levers where they were, the stick in the middle and the elevator where its
+// trim holds it; the rest fades.
+void session_hand_over(FlightSession *session, const Controls *before);
 // What a replay does with a key and with time; for session_on_key and session_advance.
 bool session_replay_key(FlightSession *session, int key);       // false: not one of its own
 bool session_replay_act(FlightSession *session, Action action); // false: as in any flight

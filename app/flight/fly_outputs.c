@@ -42,6 +42,22 @@ static Result check_video(const Options *options) {
     return result == RESULT_OK ? outputs_check(options, "--video", video) : result;
 }
 
+// What stands has neither speed nor trim. In a file of settings both may wait for a flight that starts in the air.
+static Result check_start(const Options *options) {
+    static const OptionId FLYING[] = {OPTION_SPEED, OPTION_TRIM};
+    if (!options_flag(options, OPTION_ON_GROUND))
+        return RESULT_OK;
+    for (size_t i = 0; i < COUNT_OF(FLYING); i++) {
+        OptionSource source = options_source(options, FLYING[i]);
+        if (source != SOURCE_COMMAND_LINE && source != SOURCE_ENVIRONMENT)
+            continue;
+        log_error("%s: an aircraft that starts standing on the ground (%s) has none of that; leave one of them out",
+                  options_where(options, FLYING[i]), options_where(options, OPTION_ON_GROUND));
+        return RESULT_USAGE;
+    }
+    return RESULT_OK;
+}
+
 static bool has_recording_ending(const char *path) {
     size_t length = strlen(path), ending = strlen(RECORDING_ENDING);
     return length > ending && strcasecmp(path + length - ending, RECORDING_ENDING) == 0;
@@ -114,6 +130,8 @@ static void warn_of_ignored(const Options *options) {
 
 Result fly_check_outputs(const Options *options) {
     Result result = check_target(options);
+    if (result == RESULT_OK)
+        result = check_start(options);
     if (result == RESULT_OK)
         result = check_record(options);
     if (result == RESULT_OK)

@@ -72,6 +72,15 @@ static bool pilot_flies(const FlightSession *session) {
     return !session->playback && !session->demo_flies && !session->holds;
 }
 
+// Of the autopilot; the words that the display shows, or NULL.
+static const char *warning(const FlightSession *session) {
+    bool flies = session->holds && !session->demo_flies && !session->playback;
+    if (!flies || !session->watch.ahead || session->flight.state.contact != FLIGHT_AIRBORNE)
+        return NULL;
+    return session->watch.turn_rad == 0.0 ? "TERRAIN AHEAD \xE2\x80\x93 flying over it"
+                                          : "TERRAIN AHEAD \xE2\x80\x93 turning away";
+}
+
 static RenderHud make_hud(const FlightSession *session, double frame_ms, double frame_p99_ms) {
     const FlightSettings *settings = &session->settings;
     FlightInstruments now = flight_instruments(&session->flight);
@@ -91,11 +100,12 @@ static RenderHud make_hud(const FlightSession *session, double frame_ms, double 
                        .flaps = state->flaps,
                        .gear_retracts = !only_path && session->aircraft.gear_s > 0.0,
                        .gear = state->gear,
-                       .brakes = session->keyboard.controls.brake_left > 0.0 && !session->playback,
+                       .brakes = session->flown.brake_left > 0.0 && !session->playback,
                        // The help for keys trims by itself.
                        .trim = pilot_flies(session) && !session->help.engaged ? session->keyboard.controls.trim : 0.0,
                        .rudder = pilot_flies(session) ? session->keyboard.controls.rudder : 0.0,
                        .autopilot = session->holds && !session->demo_flies && !session->playback,
+                       .warning = warning(session),
                        .altitude_m = session_altitude_m(session, &now),
                        .above_ground_m = now.above_ground_m,
                        .vertical_speed_m_s = now.vertical_speed_m_s,

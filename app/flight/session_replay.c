@@ -109,17 +109,33 @@ static void fly_on(FlightSession *session) {
     session->flight = flight_create(&session->aircraft, &start, session->flight.ground);
 }
 
-void session_end_replay(FlightSession *session) {
+// The surfaces as they are; what a state does not tell, or not whole (flaps and gear on their way, brakes), as the
+// recorded pilot had it.
+static Controls controls_before(FlightSession *session) {
     const FlightState *state = &session->flight.state;
-    int64_t step = state->step;
+    Controls before;
+    if (!playback_controls(session->playback, session->timeline.t_s, &before))
+        before = (Controls){.flaps = state->flaps, .gear_up = state->gear < 0.5};
+    before.elevator = state->elevator;
+    before.trim = 0.0;
+    before.aileron = state->aileron;
+    before.rudder = state->rudder;
+    before.throttle = state->throttle;
+    return before;
+}
+
+void session_end_replay(FlightSession *session) {
+    int64_t step = session->flight.state.step;
     fly_on(session);
+    session->flown = controls_before(session);
     session->playback = NULL;
     session->flight.state.step = step;
-    session->keyboard = keyboard_create(state->throttle);
-    session->keyboard.controls = session_controls_of(state);
-    session->help = session->hold = (Autopilot){.engaged = false};
-    session->holds = false;
+    session->keyboard = keyboard_create(0.0);
+    session->holds = session->parked = false;
+    session_hand_over(session, &session->flown);
     session->begin = session->flight.state;
+    session->begin_controls = session->keyboard.controls;
+    session->stood = false;
     if (session->recorder)
         recorder_restart(session->recorder, RECORDING_EVENT_TAKE_OVER, &session->flight);
     session_say(session, "you have control");

@@ -4,6 +4,7 @@
 #include "app/demo/demo_list.h"
 #include "app/dynamics/flight_contact.h"
 #include "app/flight/flight_session.h"
+#include "app/flight/runway.h"
 #include "base/log.h"
 #include "terrain/geodesy.h"
 
@@ -39,12 +40,26 @@ static double start_pitch_rad(const Options *options, const Viewpoint *view) {
     return options_is_set(options, OPTION_LOOK) ? view->pitch_deg * GEODESY_RAD_PER_DEG : 0.0;
 }
 
-static void say_start(const Flight *flight, const FlightStart *start) {
-    if (start->on_ground && flight->state.contact != FLIGHT_ROLLING)
+// Where it begins in the air, but higher than it was asked to.
+static void say_raised(const Options *options, const Viewpoint *view, const Flight *flight, double h_m) {
+    FlightInstruments now = flight_instruments(flight);
+    double raised_m = now.h_m - h_m, above_m = now.above_ground_m - raised_m;
+    if (!now.over_ground || raised_m < 0.1)
+        return;
+    log_warn("%s: %.0f m is %.0f m %s the ground there: the flight starts %.0f m above it, at %.0f m",
+             options_is_set(options, OPTION_EYE) ? options_where(options, OPTION_EYE) : "the start", view->alt_m,
+             fabs(above_m), above_m < 0.0 ? "under" : "above", now.above_ground_m, view->alt_m + raised_m);
+}
+
+static void say_start(const Options *options, const Viewpoint *view, const Flight *flight, const FlightStart *start) {
+    bool stands = flight->state.contact == FLIGHT_ROLLING;
+    if (start->on_ground && !stands)
         log_warn("the %s cannot stand where the flight starts: it starts in the air", flight->aircraft->name);
     else if (!start->on_ground && !start->untrimmed && !flight->trimmed)
         log_warn("the %s has no steady flight at %.0f m/s there: it starts as near as its wing carries",
                  flight->aircraft->name, start->speed_m_s);
+    if (!start->on_ground)
+        say_raised(options, view, flight, start->h_m);
 }
 
 static Flight start_flight(const FlightSession *session, const Options *options, const Viewpoint *view) {
@@ -60,8 +75,49 @@ static Flight start_flight(const FlightSession *session, const Options *options,
                          .untrimmed = !options_flag(options, OPTION_TRIM),
                          .on_ground = options_flag(options, OPTION_ON_GROUND)};
     Flight flight = flight_create(aircraft, &start, session_ground(world));
-    say_start(&flight, &start);
+    if (options_command(options) != COMMAND_REPLAY) // which begins where it was recorded
+        say_start(options, view, &flight, &start);
     return flight;
+}
+
+static void say_runway(const Options *options, const Runway *run, double length_m) {
+    double lat_deg = run->lat_rad / GEODESY_RAD_PER_DEG, lon_deg = run->lon_rad / GEODESY_RAD_PER_DEG;
+    double heading_deg = run->heading_rad / GEODESY_RAD_PER_DEG;
+    bool flat = run->slope <= RUNWAY_SLOPE;
+    if (flat)
+        log_info("on the ground at %.5f,%.5f, heading %.0f: %.0f m that rise or fall by %.1f %% at most", lat_deg,
+                 lon_deg, heading_deg, length_m, 100.0 * run->slope);
+    else
+        log_warn("--on-ground: nothing within %.0f km of the start is flat for %.0f m, as far as the aircraft rolls to "
+                 "take off; it stands at %.5f,%.5f, heading %.0f, where %.0f %% are the steepest; another place: "
+                 "%s fly --on-ground --eye LAT,LON,0 --look HEADING,0",
+                 RUNWAY_SEARCH_M * 1e-3, length_m, lat_deg, lon_deg, heading_deg, 100.0 * run->slope,
+                 options_program(options));
+}
+
+// Who asks for no place on the ground is put where the aircraft can take off.
+static void choose_runway(const Options *options, const FlightSession *session, Viewpoint *view) {
+    const FlightGround ground = session_ground(session->world);
+    double h_m = world_ellipsoid_m(session->world, view->lat_deg, view->lon_deg, view->alt_m);
+    const RunwayWish wish = {.lat_rad = view->lat_deg * GEODESY_RAD_PER_DEG,
+                             .lon_rad = view->lon_deg * GEODESY_RAD_PER_DEG,
+                             .heading_rad = view->heading_deg * GEODESY_RAD_PER_DEG,
+                             .heading_given = options_is_set(options, OPTION_LOOK),
+                             .length_m = runway_length_m(&session->aircraft, h_m)};
+    Runway run;
+    if (!options_flag(options, OPTION_ON_GROUND) || options_is_set(options, OPTION_EYE))
+        return;
+    if (runway_find(&ground, &wish, &run) != RESULT_OK) {
+        log_warn(
+            "--on-ground: the land near the start is too small for the %.0f m that the aircraft rolls to take off; "
+            "it starts where it would in the air",
+            wish.length_m);
+        return;
+    }
+    view->lat_deg = run.lat_rad / GEODESY_RAD_PER_DEG;
+    view->lon_deg = run.lon_rad / GEODESY_RAD_PER_DEG;
+    view->heading_deg = run.heading_rad / GEODESY_RAD_PER_DEG;
+    say_runway(options, &run, wish.length_m);
 }
 
 // How far the view's middle is from the eye: where the line of sight meets the ground.
@@ -115,7 +171,8 @@ static Result load_aircraft(const Options *options, FlightSession *session) {
 static void start(const Options *options, const Viewpoint *view, FlightSession *session) {
     session->flight = start_flight(session, options, view);
     session->begin = session->flight.state;
-    session->parked = session->flight.state.contact == FLIGHT_ROLLING;
+    session->begin_controls = session->flown = session->flight.controls;
+    session->stood = session->parked = session->flight.state.contact == FLIGHT_ROLLING;
     session->keyboard = keyboard_create(session->flight.controls.throttle);
     session->keyboard.controls = session->flight.controls;
     if (session->demo_flies && session->demo.count == 0 && !session->demo.stick)
@@ -142,6 +199,7 @@ Result session_create(const World *world, const Options *options, FlightSession 
         session_end(out);
         return result;
     }
+    choose_runway(options, out, &view);
     out->sun_ecef = world_sun(world, options, &view);
     out->begin_settings = out->settings;
     start(options, &view, out);

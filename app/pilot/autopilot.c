@@ -3,17 +3,18 @@
 #include "app/aircraft/airframe.h"
 #include "app/aircraft/isa.h"
 #include "app/aircraft/propulsion.h"
-#include "app/aircraft/trim.h"
 #include "terrain/geodesy.h"
 
 #include <math.h>
 
-#define GRAVITY TRIM_GRAVITY_0
-#define BANK_MAX 0.6       // rad
-#define WAYPOINT_BANK 0.75 // towards waypoints
-#define STALL_SHARE 0.8    // of the stall angle is as far as the laws go
-#define SPEED_LEAST 1.25   // times the stall speed, below which height is given for speed
-#define LOAD_LEAST 0.2     // g
+#define GRAVITY AUTOPILOT_GRAVITY
+#define BANK_MAX 0.6          // rad
+#define WAYPOINT_BANK 0.75    // towards waypoints
+#define TURN_SPEED_LEAST 1.15 // times the stall speed of a turn away from the ground
+#define STALL_SHARE 0.8       // of the stall angle is as far as the laws go
+#define ZOOM 0.02             // rad of path for each m/s to spare: 1 / (ZOOM GRAVITY) = AUTOPILOT_ZOOM_S
+#define SPEED_LEAST 1.25      // times the stall speed, below which height is given for speed
+#define LOAD_LEAST 0.2        // g
 #define LOAD_MOST 2.5
 #define LOOK_AHEAD_S 14.0 // the ground is watched so far ahead
 #define LOOKS 8
@@ -54,6 +55,14 @@ typedef struct Now {
     double full_thrust, thrust;             // N, with all of the throttle and with its present place
 } Now;
 
+// Of the flight as it is, in N, at a pressure of its flow, with a load of so many g.
+static double drag_at(const Flight *flight, double pressure_n, double load) {
+    const Aircraft *a = flight->aircraft;
+    double lift = a->mass * GRAVITY * fmax(load, 0.0) / pressure_n;
+    return pressure_n *
+           (a->cd_0 + a->induced * lift * lift + a->cd_flaps * flight->state.flaps + a->cd_gear * flight->state.gear);
+}
+
 static Now look(const Flight *flight) {
     const Aircraft *a = flight->aircraft;
     Now now = {.at = flight_instruments(flight)};
@@ -76,9 +85,7 @@ static Now look(const Flight *flight) {
     double engine = propulsion_steady(a, &air, now.speed, 1.0);
     now.full_thrust = propulsion_at(a, &air, now.speed, engine, 1.0).thrust_n;
     now.thrust = propulsion_at(a, &air, now.speed, flight->state.engine, flight->state.throttle).thrust_n;
-    double lift = a->mass * GRAVITY * fmax(now.at.load_factor, 0.0) / pressure;
-    now.drag = pressure * (a->cd_0 + a->induced * lift * lift + a->cd_flaps * flight->state.flaps +
-                           a->cd_gear * flight->state.gear);
+    now.drag = drag_at(flight, pressure, now.at.load_factor);
     return now;
 }
 
@@ -147,12 +154,12 @@ static double hold_sideslip(const Flight *flight, const Now *now, double aileron
 static double steepest_path(const Flight *flight, const Now *now, double thrust_n) {
     double weight = flight->aircraft->mass * GRAVITY, least = SPEED_LEAST * now->stall_speed;
     double spare = (thrust_n - now->drag) / weight;
-    return spare + 0.02 * (now->at.true_airspeed - least);
+    return spare + ZOOM * (now->at.true_airspeed - least);
 }
 
 static double path_to_height(const Flight *flight, const Now *now, double height_m) {
     double wanted = HEIGHT_RATE * (height_m - now->at.h_m) / now->speed;
-    return clamp(wanted, -0.2, fmin(fmax(steepest_path(flight, now, now->full_thrust), -0.1), 0.3));
+    return clamp(wanted, -0.2, fmin(fmax(steepest_path(flight, now, now->full_thrust), -0.1), AUTOPILOT_PATH_MOST));
 }
 
 // A glider's path: that of its drag, steeper when slow.
@@ -195,6 +202,23 @@ Controls autopilot_hold(Autopilot *autopilot, const Flight *flight, const Autopi
     out.rudder = hold_sideslip(flight, &now, out.aileron, 0.0);
     out.throttle = hold_speed(autopilot, flight, &now, wish->speed_m_s, dt_s);
     return out;
+}
+
+// So steep that the speed stays this much above the stall of the turn.
+static double steepest_bank(const Now *now) {
+    double slowest = TURN_SPEED_LEAST * now->stall_speed / now->speed;
+    return clamp(acos(fmin(slowest * slowest, 1.0)), 0.3, WAYPOINT_BANK);
+}
+
+AutopilotReach autopilot_reach(const Flight *flight) {
+    Now now = look(flight);
+    double weight = flight->aircraft->mass * GRAVITY, bank = steepest_bank(&now);
+    double pressure_n = 0.5 * isa_at(now.at.h_m).density * now.speed * now.speed * flight->aircraft->area;
+    double to_spare = now.at.true_airspeed - SPEED_LEAST * now.stall_speed;
+    return (AutopilotReach){.steady = (now.full_thrust - drag_at(flight, pressure_n, 1.0)) / weight,
+                            .turning = (now.full_thrust - drag_at(flight, pressure_n, 1.0 / cos(bank))) / weight,
+                            .bank_rad = bank,
+                            .zoom_m = ZOOM * to_spare * now.speed * AUTOPILOT_ZOOM_S};
 }
 
 // ---- waypoints --------------------------------------------------------------------------------------------------

@@ -3,7 +3,11 @@
 // metres a second.
 // Values only; deterministic.
 #pragma once
+#include "app/aircraft/trim.h"
 #include "app/dynamics/flight_model.h"
+
+#define AUTOPILOT_GRAVITY TRIM_GRAVITY_0
+#define AUTOPILOT_PATH_MOST 0.3 // rad that a hold climbs
 
 // What the laws remember from step to step.
 typedef struct Autopilot {
@@ -23,6 +27,15 @@ typedef struct AutopilotWish {
 // The three holds, one step of `dt_s` on. Height by pitch, as far as the engine can climb; speed by throttle, of
 // gliders by pitch; heading by bank, with the rudder against sideslip. Keeps below the stall.
 Controls autopilot_hold(Autopilot *autopilot, const Flight *flight, const AutopilotWish *wish, double dt_s);
+
+// How a hold could climb from now on, with all of the throttle.
+#define AUTOPILOT_ZOOM_S 5.1 // in which most of the speed to spare is given up for height
+typedef struct AutopilotReach {
+    double steady, turning; // rad of path that stay: straight on, and in a turn of
+    double bank_rad;        // as steep as the speed allows
+    double zoom_m;          // height for the speed to spare
+} AutopilotReach;
+AutopilotReach autopilot_reach(const Flight *flight);
 
 typedef struct Waypoint {
     double lat_rad, lon_rad, h_m;

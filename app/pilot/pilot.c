@@ -134,6 +134,10 @@ Controls pilot_sample(Pilot *pilot, Keyboard *keyboard, double dt_s) {
     return mapper_sample(&pilot->mapper, keyboard, dt_s);
 }
 
+void pilot_keep(Pilot *pilot, Keyboard *keyboard) {
+    mapper_keep(&pilot->mapper, keyboard);
+}
+
 bool pilot_drives_stick(const Pilot *pilot) {
     const MapperDriver *drivers = pilot->mapper.drivers;
     return drivers[PAD_CONTROL_AILERON].kind == MAPPER_AXIS || drivers[PAD_CONTROL_ELEVATOR].kind == MAPPER_AXIS;

@@ -22,6 +22,8 @@ void pilot_poll(Pilot *pilot);
 void pilot_hear(Pilot *pilot, Keyboard *keyboard, int64_t until_ns, char message[PILOT_MESSAGE_BYTES]);
 // As mapper_sample: the keyboard's controls moved on, and what pads drive.
 Controls pilot_sample(Pilot *pilot, Keyboard *keyboard, double dt_s);
+// As mapper_keep.
+void pilot_keep(Pilot *pilot, Keyboard *keyboard);
 // Whether an axis of a pad is the stick now: aileron or elevator.
 bool pilot_drives_stick(const Pilot *pilot);
 // Whether an axis or a button was moved since the last call.

@@ -47,7 +47,8 @@ typedef struct ControlsCode {
 ControlsCode recording_quantise(const Controls *controls);
 Controls recording_controls(ControlsCode code);
 
-// X(identifier, code in the file, name): what happens between two steps. Data are the simulation's.
+// X(identifier, code in the file, name): what happens between two steps. Data: of a time rate the rate, as the bits of
+// a double; none of the others. 7 was of a wind, and never written.
 #define RECORDING_EVENT_TABLE(X)                                                                                       \
     X(RESET, 1, "reset")                                                                                               \
     X(PAUSE, 2, "pause")                                                                                               \
@@ -55,7 +56,6 @@ Controls recording_controls(ControlsCode code);
     X(TAKE_OVER, 4, "take-over")                                                                                       \
     X(DEMO_ON, 5, "demo-on")                                                                                           \
     X(DEMO_OFF, 6, "demo-off")                                                                                         \
-    X(WIND, 7, "wind")                                                                                                 \
     X(TIME_RATE, 8, "time-rate")
 
 typedef enum RecordingEventKind {
@@ -70,7 +70,7 @@ typedef struct RecordingEvent {
     uint8_t bytes;
     uint8_t data[RECORDING_EVENT_DATA_MAX];
 } RecordingEvent;
-const char *recording_event_name(int kind); // "wind"; "unknown"
+const char *recording_event_name(int kind); // "pause"; "unknown"
 
 // The running hash after a step: of the one before and the state's own. For one state's hash it is a bijection of the
 // running hash, so that a difference, once there, stays. mix: SplitMix64's, G. Steele, D. Lea, C. Flood, "Fast

@@ -357,6 +357,38 @@ Result recording_reader_chunk(RecordingReader *reader, int index, const Recordin
     return RESULT_OK;
 }
 
+static Result append_events(const RecordingReader *reader, const RecordingChunk *chunk, RecordingEvent **events,
+                            int *count) {
+    if (chunk->event_count == 0)
+        return RESULT_OK;
+    RecordingEvent *grown = realloc(*events, sizeof *grown * (size_t)(*count + chunk->event_count));
+    if (!grown) {
+        log_error("%s: no memory for the events of the recording", reader->path);
+        return RESULT_MEMORY;
+    }
+    memcpy(grown + *count, chunk->events, sizeof *grown * (size_t)chunk->event_count);
+    *events = grown;
+    *count += chunk->event_count;
+    return RESULT_OK;
+}
+
+Result recording_reader_events(RecordingReader *reader, RecordingEvent **out, int *count) {
+    RecordingEvent *events = NULL;
+    Result result = RESULT_OK;
+    *count = 0;
+    for (int i = 0; i < reader->chunk_count && result == RESULT_OK; i++) {
+        const RecordingChunk *chunk;
+        result = recording_reader_chunk(reader, i, &chunk);
+        if (result == RESULT_OK)
+            result = append_events(reader, chunk, &events, count);
+    }
+    if (result == RESULT_OK)
+        *out = events;
+    else
+        free(events);
+    return result;
+}
+
 Result recording_reader_steps(RecordingReader *reader, uint32_t first, uint32_t count, RecordingStep *out) {
     for (uint32_t i = 0; i < count; i++) {
         const RecordingChunk *chunk;

@@ -56,6 +56,10 @@ MUST_USE Result recording_reader_chunk(RecordingReader *reader, int index, const
 // The chunk with this step; -1: lost, or beyond the flight.
 int recording_reader_chunk_at(const RecordingReader *reader, uint32_t step);
 
+// All events of the flight, in their order; `out` is to be freed, and NULL where there is none. MEMORY, logged; as
+// recording_reader_chunk.
+MUST_USE Result recording_reader_events(RecordingReader *reader, RecordingEvent **out, int *count);
+
 typedef struct RecordingStep {
     ControlsCode code;
     uint16_t hash; // recording_hash_short after the step

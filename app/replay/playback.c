@@ -287,6 +287,14 @@ int64_t playback_first_difference(const Playback *playback) {
     return playback->reader ? recording_player_first_difference(playback->player) : -1;
 }
 
+uint32_t playback_first_step(const Playback *playback) {
+    return playback->first;
+}
+
+Result playback_events(Playback *playback, RecordingEvent **out, int *count) {
+    return playback->reader ? recording_reader_events(playback->reader, out, count) : RESULT_UNSUPPORTED;
+}
+
 Result playback_verify(Playback *playback, RecordingVerdict *out) {
     return playback->reader ? recording_verify(playback->reader, &playback->sim, out) : RESULT_UNSUPPORTED;
 }
@@ -307,6 +315,17 @@ PlaybackMoment playback_scout(Playback *playback, double t_s) {
     Result result = recording_player_seek(playback->scout, step_of(playback, t_s, &share));
     return (PlaybackMoment){.state = playback->scouted.state,
                             .in_gap = result != RESULT_OK || recording_player_is_in_gap(playback->scout)};
+}
+
+bool playback_controls(Playback *playback, double t_s, Controls *out) {
+    double share;
+    RecordingStep step = {.known = false};
+    if (!playback->reader || playback->end == playback->first)
+        return false;
+    int64_t at = step_of(playback, t_s, &share), last = (int64_t)playback->end - 1;
+    Result result = recording_reader_steps(playback->reader, (uint32_t)(at < last ? at : last), 1, &step);
+    *out = recording_controls(step.code);
+    return result == RESULT_OK && step.known;
 }
 
 // ---- as a track ----
@@ -348,6 +367,16 @@ static void fill_track(Playback *playback, double interval_s, int most, Track *o
     }
 }
 
+static void warn_of_difference(const Playback *playback) {
+    char when[RECORDING_TIME_BYTES];
+    int64_t step = playback_first_difference(playback);
+    if (step >= 0)
+        log_warn("%s: flown again it is another flight from step %" PRId64 " on (%s): what is taken is what was flown "
+                 "now",
+                 recording_reader_path(playback->reader), step,
+                 recording_time_text((uint64_t)step, RECORDING_STEPS_PER_S, when));
+}
+
 Result playback_track(Playback *playback, double interval_s, Track *out) {
     if (!playback->reader)
         return RESULT_UNSUPPORTED;
@@ -368,16 +397,8 @@ Result playback_track(Playback *playback, double interval_s, Track *out) {
         return RESULT_MEMORY;
     }
     fill_track(playback, interval_s, most, out);
+    warn_of_difference(playback);
     return RESULT_OK;
-}
-
-static void warn_of_difference(const char *path, const Playback *playback) {
-    char when[RECORDING_TIME_BYTES];
-    int64_t step = playback_first_difference(playback);
-    if (step >= 0)
-        log_warn("%s: flown again it is another flight from step %" PRId64 " on (%s): what is taken is what was flown "
-                 "now",
-                 path, step, recording_time_text((uint64_t)step, RECORDING_STEPS_PER_S, when));
 }
 
 Result playback_load_track(const char *path, const PlaybackOptions *options, double interval_s, Track *out) {
@@ -385,8 +406,6 @@ Result playback_load_track(const char *path, const PlaybackOptions *options, dou
     Result result = playback_open(path, options, &playback);
     if (result == RESULT_OK)
         result = playback_track(playback, interval_s, out);
-    if (result == RESULT_OK)
-        warn_of_difference(path, playback);
     playback_close(&playback);
     return result;
 }

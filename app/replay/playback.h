@@ -49,12 +49,17 @@ PlaybackMoment playback_at_step(Playback *playback, double t_s);
 // As playback_at_step, for somebody who looks along the flight beside the one who watches it: what that keeps, and
 // playback_first_difference, stay as they are.
 PlaybackMoment playback_scout(Playback *playback, double t_s);
+// What the pilot did in the step that follows, or at the end in the last one. False: no recording, or lost.
+bool playback_controls(Playback *playback, double t_s, Controls *out);
 // The first step seen so far that was flown otherwise than recorded; -1: none, or no recording.
 int64_t playback_first_difference(const Playback *playback);
+uint32_t playback_first_step(const Playback *playback); // of a recording, counted from the flight's begin; 0 else
+// As recording_reader_events. UNSUPPORTED: no recording.
+MUST_USE Result playback_events(Playback *playback, RecordingEvent **out, int *count);
 // Flies the whole recording again. UNSUPPORTED: none; else as recording_verify.
 MUST_USE Result playback_verify(Playback *playback, RecordingVerdict *out);
 // A track of it with a point every `interval_s`, gaps where something is lost or where it begins anew; to be cleared.
-// UNSUPPORTED: no recording; MEMORY; RANGE, logged: more points than tracks have.
+// Warns where the flight differs. UNSUPPORTED: no recording; MEMORY; RANGE, logged: more points than tracks have.
 MUST_USE Result playback_track(Playback *playback, double interval_s, Track *out);
-// The same of a file, which is opened for it. Warns where the flight differs. As playback_open and playback_track.
+// The same of a file, which is opened for it. As playback_open and playback_track.
 MUST_USE Result playback_load_track(const char *path, const PlaybackOptions *options, double interval_s, Track *out);

@@ -219,11 +219,13 @@ static void paint_plate(const HudPainter *painter, CanvasRect area, CanvasColour
 void hud_paint_message(const HudPainter *painter, const RenderHud *hud) {
     const HudLayout *layout = &painter->layout;
     if (hud->crashed)
-        paint_plate(painter, layout->note, HUD_WARN, "crashed \xE2\x80\x93 back in the air in a moment");
+        paint_plate(painter, layout->note, HUD_WARN, "crashed \xE2\x80\x93 starting anew in a moment");
     else if (hud->replay.show && hud->show_flight)
         hud_paint_replay(painter, &hud->replay);
     else if (hud->paused)
         paint_plate(painter, layout->note, HUD_INK, "paused \xE2\x80\x93 press p to go on");
+    else if (hud->warning)
+        paint_plate(painter, layout->note, HUD_WARN, hud->warning);
     if (hud->message && hud->message[0])
         paint_plate(painter, layout->message, HUD_INK, hud->message);
 }
