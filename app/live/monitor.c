@@ -14,7 +14,7 @@
 #include <time.h>
 
 #define REFRESH_NS 250000000 // of what is read and not watched: painting it is dear
-#define REFRESH_FRAMES 8     // of slow ones, for the same reason
+#define REFRESH_FRAMES 12    // of slow ones, for the same reason
 #define AXIS_ROOM 1.12       // above the highest point
 #define AXIS_EMPTY 0.4       // of the axis in use, below which it shrinks
 #define AXIS_FAR 4.0         // times the present: samples beyond do not stretch the axis

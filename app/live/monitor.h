@@ -9,7 +9,7 @@
 #include "base/base.h"
 #include "render/accuracy.h"
 
-#define MONITOR_SHARE 0.01 // of all processors' time
+#define MONITOR_SHARE 0.005 // of all processors' time
 
 typedef struct MonitorOptions {
     LodOptions lod; // of the flight

@@ -4,7 +4,7 @@
 #pragma once
 #include "base/base.h"
 
-#define PACE_HURRY 4
+#define PACE_HURRY 8
 
 typedef struct Pace {
     double share;         // of one processor's time, 0..1
