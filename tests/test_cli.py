@@ -510,6 +510,8 @@ def without_a_display_it_says_how_to_get_a_window(cli):
     expect(f"exit status with --frames, having said {run.err!r}", run.code, 0)
     expect("window", json.loads(run.out)["window"], False)
     expect_in("message with --frames", "flying on without a window", run.err)
+    expect_in("message with --frames", "warning: no display to open a window on", run.err)
+    expect(f"errors of a flight that goes on: {run.err!r}", run.err.count("error: "), 0)
     expect("what to do for a window, where it isn't missed", run.err.count("xvfb-run"), 0)
 
 
