@@ -138,11 +138,14 @@ static void keys_pause_and_turn_time_and_change_its_rate(void **state) {
     expect_at(shown, 20.0);
     press(shown, KEY_UP);
     press(shown, KEY_UP);
-    assert_string_equal(session->message, "replay x -4");
+    assert_string_equal(session->message, "replay \xE2\x88\x92"
+                                          "4 \xC3\x97");
     session_advance(session, 2.0);
     expect_at(shown, 12.0);
     for (int i = 0; i < 4; i++)
         press(shown, KEY_DOWN);
+    assert_string_equal(session->message, "replay \xE2\x88\x92"
+                                          "1/4 \xC3\x97");
     session_advance(session, 4.0);
     expect_at(shown, 11.0);
     session_on_repeat(session, KEY_UP); // which only hops take
@@ -560,11 +563,16 @@ static void the_last_minutes_are_saved_by_a_key(void **state) {
     session_on_key(&session, KEY_F5, true, false);
     session_on_key(&session, KEY_F5, false, false);
     uint64_t hash = recorder_hash(recorder);
+    Heard heard;
+    heard_begin(&heard);
     for (int i = 0; i < 1000 && strncmp(session.message, "recording: ", 11) != 0; i++) {
         fly_s(&session, 1.0 / 60.0);
         nanosleep(&(struct timespec){.tv_nsec = 10000000}, NULL);
     }
+    heard_end();
     print_message("%s\n", session.message);
+    const char *told = strstr(heard.text, session.message + 11);
+    assert_true(told && !strstr(told + 1, session.message + 11)); // once
     snprintf(wanted, sizeof wanted, "%s/overfly/recordings/overfly-", folder);
     assert_int_equal(strncmp(session.message, "recording: ", 11), 0);
     snprintf(file, sizeof file, "%.200s", session.message + 11);
