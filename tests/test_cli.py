@@ -707,7 +707,7 @@ def a_recorded_flight_is_flown_again(cli):
         hashes.add(verdict["hash"])
     expect(f"hashes, found {hashes}", len(hashes), 1)
     text = cli.run("replay", "a.ofr", "--verify").out
-    for part in ("a.ofr: 960 steps flown again", "the same flight", hashes.pop(), "events: 0:00:00 time-rate 16, 0:00:00 demo-on"):
+    for part in ("a.ofr: 960 steps flown again", "the same flight", hashes.pop(), "events: 0:00:00 time-rate 16 ×, 0:00:00 demo-on"):
         expect_in("verdict", part, text)
 
 

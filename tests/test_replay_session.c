@@ -260,6 +260,26 @@ static void a_flight_goes_on_exactly_from_any_moment(void **state) {
     }
 }
 
+// To the place and to the controls, whatever was done with them since.
+static void a_reset_goes_back_to_the_controls_of_the_take_over(void **state) {
+    Shown *shown = show(*state);
+    FlightSession *session = &shown->session;
+    session_advance(session, 20.0);
+    press(shown, KEY_ENTER);
+    const FlightState begin = session->flight.state;
+    session_on_key(session, begin.throttle > 0.5 ? KEY_PAGE_DOWN : KEY_PAGE_UP, true, false);
+    fly_s(session, 1.0);
+    assert_true(fabs(session->flight.state.throttle - begin.throttle) > 0.2);
+    session_on_key(session, begin.throttle > 0.5 ? KEY_PAGE_DOWN : KEY_PAGE_UP, false, false);
+    press(shown, 'R');
+    fly_s(session, 0.5);
+    const FlightState *now = &session->flight.state;
+    print_message("throttle %.3f, taken over with %.3f\n", now->throttle, begin.throttle);
+    assert_true(fabs(now->throttle - begin.throttle) < 0.002);
+    assert_true(vec3d_distance(now->position_ecef, begin.position_ecef) < 0.55 * vec3d_length(begin.velocity_ecef));
+    end_show(shown);
+}
+
 // The moment before the step `end` with the most of ailerons and rudder.
 static double wildest_s(const Flown *flown, uint32_t end) {
     double most = 0.0, t_s = 0.0;
@@ -645,6 +665,7 @@ int main(void) {
         cmocka_unit_test(options_say_where_it_begins),
         cmocka_unit_test(a_replay_that_differs_says_so_once),
         cmocka_unit_test(a_flight_goes_on_exactly_from_any_moment),
+        cmocka_unit_test(a_reset_goes_back_to_the_controls_of_the_take_over),
         cmocka_unit_test(nothing_jumps_when_it_is_taken_over_in_a_turn),
         cmocka_unit_test(brakes_and_flaps_stay_as_recorded_until_they_are_touched),
         cmocka_unit_test(what_is_flown_after_taking_over_is_recorded),
