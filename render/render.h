@@ -68,6 +68,7 @@ typedef struct RenderHud {
     bool crashed, paused;
     double alpha_rad;   // angle of attack; NaN: not told
     bool stalls;        // or is about to
+    bool no_engine;     // `throttle` is not told
     double flaps;       // 0 up .. 1 full
     bool gear_retracts; // `gear` is told
     double gear;        // 0 up .. 1 down and locked

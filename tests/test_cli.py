@@ -15,7 +15,7 @@ import tempfile
 import time
 import zlib
 
-from cli_support import DEM, Cli, Fault, Skip, expect, expect_in, passes
+from cli_support import DEM, Cli, Fault, Skip, expect, expect_in, expect_true, passes
 
 SMALL = ["--size", "320x200"]
 SUBCOMMANDS = ["fly", "demo", "replay", "snapshot", "mesh", "bench", "reproduce", "info", "convert", "devices",
@@ -73,6 +73,10 @@ def help_is_instant_and_complete(cli):
         expect(f"{name} --help: exit status", page.code, 0)
         expect_in(f"{name} --help", f"usage: overfly {name}", page.out)
         expect_in(f"{name} --help", "--help", page.out)
+    rows = run.out[run.out.index("subcommands") :].split("\n\n")[0].splitlines()[1:]
+    for row, below in zip(rows, rows[1:] + [""]):
+        expect_true(f"--help: where the summary begins: {row!r}",
+                    re.match(r".{33}  \S", row) or below.startswith(" " * 35) and below[35:36].strip())
     expect("--version", cli.run("--version").out.split()[0], "overfly")
 
 
@@ -506,6 +510,8 @@ def without_a_display_it_says_how_to_get_a_window(cli):
     expect(f"exit status with --frames, having said {run.err!r}", run.code, 0)
     expect("window", json.loads(run.out)["window"], False)
     expect_in("message with --frames", "flying on without a window", run.err)
+    expect_in("message with --frames", "warning: no display to open a window on", run.err)
+    expect(f"errors of a flight that goes on: {run.err!r}", run.err.count("error: "), 0)
     expect("what to do for a window, where it isn't missed", run.err.count("xvfb-run"), 0)
 
 
@@ -608,6 +614,10 @@ def flights_are_converted(cli):
                        ("--object", "--object changes nothing: a.igc is IGC flight log")):
         cli.warned(said, "convert", "a.igc", "b.gpx", name, "c172")
     cli.warned("--igc-alt changes nothing: b.gpx is GPX 1.1", "convert", "b.gpx", "c.kml", "--igc-alt", "geoid")
+    cli.write("one.csv", "t_s,lat_deg,lon_deg,alt_m,unix_s\n0,46,8,1,1717243200\n1,46,8,x")
+    said = cli.run("convert", "one.csv", "b.gpx").out
+    expect_in("convert one.csv", "flight    1 point, ", said)
+    expect_in("convert one.csv", "left out  1 point damaged", said)
     text = cli.run("convert", "a.igc", "b.gpx").out
     for part in ("89 points, 89 s, from 2024-06-01T12:00:00Z", "above the geoid", "derived from the path", "has no attitude"):
         expect_in("convert", part, text)
@@ -697,7 +707,7 @@ def a_recorded_flight_is_flown_again(cli):
         hashes.add(verdict["hash"])
     expect(f"hashes, found {hashes}", len(hashes), 1)
     text = cli.run("replay", "a.ofr", "--verify").out
-    for part in ("a.ofr: 960 steps flown again", "the same flight", hashes.pop(), "events: 0:00:00 time-rate 16, 0:00:00 demo-on"):
+    for part in ("a.ofr: 960 steps flown again", "the same flight", hashes.pop(), "events: 0:00:00 time-rate 16 ×, 0:00:00 demo-on"):
         expect_in("verdict", part, text)
 
 

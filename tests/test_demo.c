@@ -340,6 +340,20 @@ static void the_autopilot_lets_go_without_a_jump(void **state) {
     end(stand);
 }
 
+// Esc does not leave a stand.
+static void the_keys_of_a_stand_are_told_as_they_are(void **state) {
+    static FrameOrder order;
+    (void)state;
+    for (int kiosk = 0; kiosk < 2; kiosk++) {
+        Stand *stand = begin("round", kiosk);
+        session_order(&stand->session, 640, 400, 0.0, 0.0, &order);
+        const RenderHelpRow *last = &order.look.hud.help[order.look.hud.help_count - 1];
+        assert_string_equal(last->keys, "Esc");
+        assert_string_equal(last->meaning, kiosk ? "begin the demonstration again" : "leave");
+        end(stand);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_file_tells_its_title_and_where_it_is_wrong),
@@ -352,6 +366,7 @@ int main(void) {
         cmocka_unit_test(a_stand_begins_again_when_nobody_steers),
         cmocka_unit_test(the_autopilot_holds_until_somebody_steers),
         cmocka_unit_test(the_autopilot_lets_go_without_a_jump),
+        cmocka_unit_test(the_keys_of_a_stand_are_told_as_they_are),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -221,7 +221,7 @@ static void keys_change_what_they_say(void **state) {
     flight_settings_apply(&settings, ACTION_HUD, message, sizeof message);
     assert_true(settings.show_flight && settings.show_numbers);
     flight_settings_apply(&settings, ACTION_TIME_FASTER, message, sizeof message);
-    assert_string_equal(message, "time x 2");
+    assert_string_equal(message, "time 2 \xC3\x97");
     assert_false(flight_settings_apply(&settings, ACTION_LEAVE, message, sizeof message));
     assert_string_equal(message, "");
 }

@@ -175,6 +175,10 @@ static int count_layout_faults(int width, int height, bool numbers, bool accurac
                         outside ? "leaves the window" : "lies in the circle", (double)r.x0, (double)r.y0, (double)r.x1,
                         (double)r.y1);
     }
+    bool alone = layout.speed_scale.y1 <= layout.speed_scale.y0; // then no scale keeps the title off the readout
+    if (alone && layout.speed_box.y0 - layout.speed_title.y1 < 4.0f * layout.unit && ++faults)
+        print_error("%dx%d: a title %.0f pixels above the readout\n", width, height,
+                    (double)(layout.speed_box.y0 - layout.speed_title.y1));
     float least = width >= 640 && height >= 400 ? 60.0f : 14.0f;
     if (layout.radius < least && ++faults)
         print_error("%dx%d: a circle of %.0f pixels\n", width, height, (double)layout.radius);
@@ -428,6 +432,17 @@ static void what_is_neutral_is_not_told(void **state) {
     packet.hud.trim = -0.12;
     hud_paint(bench->canvas, bench->text, &packet, NULL, 1280, 800);
     assert_true(find_text(bench, "R") > 0.0f && find_text(bench, "25") > 0.0f && find_text(bench, "12") > 0.0f);
+}
+
+static void an_aircraft_without_engine_has_no_throttle(void **state) {
+    Bench *bench = *state;
+    Place place = {0.6, -1.4, 12000.0};
+    RenderPacket packet = packet_make(place, axes_turn(place, 3.0, 0.05, 0.1), 60.0 * RAD);
+    for (int none = 0; none < 2; none++) {
+        packet.hud.no_engine = none;
+        hud_paint(bench->canvas, bench->text, &packet, NULL, 1280, 800);
+        assert_int_equal(find_text(bench, "THR") > 0.0f, !none);
+    }
 }
 
 // Too small to be read: nothing; but numbers stay finite, which the trap checks.
@@ -1023,6 +1038,7 @@ int main(void) {
         cmocka_unit_test(text_stays_inside_and_apart_at_its_widest),
         cmocka_unit_test(every_state_is_told_at_every_size),
         cmocka_unit_test(what_is_neutral_is_not_told),
+        cmocka_unit_test(an_aircraft_without_engine_has_no_throttle),
         cmocka_unit_test(smaller_windows_have_no_display),
         cmocka_unit_test(horizon_is_within_half_a_pixel),
         cmocka_unit_test(flight_path_marker_is_within_half_a_pixel),

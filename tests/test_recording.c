@@ -270,7 +270,7 @@ static void test_what_cannot_be_read_is_refused_with_the_reason(void **state) {
     memcpy(changed, bytes, count);
     changed[40] ^= 1;
     support_store(path, changed, count);
-    expect_refusal(path, RESULT_FORMAT, "the header's checksum");
+    expect_refusal(path, RESULT_FORMAT, "nothing after it can be read: use another copy of the file");
     free(changed);
     free(bytes);
     unlink(path);

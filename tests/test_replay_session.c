@@ -138,11 +138,14 @@ static void keys_pause_and_turn_time_and_change_its_rate(void **state) {
     expect_at(shown, 20.0);
     press(shown, KEY_UP);
     press(shown, KEY_UP);
-    assert_string_equal(session->message, "replay x -4");
+    assert_string_equal(session->message, "replay \xE2\x88\x92"
+                                          "4 \xC3\x97");
     session_advance(session, 2.0);
     expect_at(shown, 12.0);
     for (int i = 0; i < 4; i++)
         press(shown, KEY_DOWN);
+    assert_string_equal(session->message, "replay \xE2\x88\x92"
+                                          "1/4 \xC3\x97");
     session_advance(session, 4.0);
     expect_at(shown, 11.0);
     session_on_repeat(session, KEY_UP); // which only hops take
@@ -255,6 +258,26 @@ static void a_flight_goes_on_exactly_from_any_moment(void **state) {
         expect_same_flight(&fixture->flown, &session->flight, (uint32_t)(at_s[i] * 120.0 + 1e-6), 600);
         end_show(shown);
     }
+}
+
+// To the place and to the controls, whatever was done with them since.
+static void a_reset_goes_back_to_the_controls_of_the_take_over(void **state) {
+    Shown *shown = show(*state);
+    FlightSession *session = &shown->session;
+    session_advance(session, 20.0);
+    press(shown, KEY_ENTER);
+    const FlightState begin = session->flight.state;
+    session_on_key(session, begin.throttle > 0.5 ? KEY_PAGE_DOWN : KEY_PAGE_UP, true, false);
+    fly_s(session, 1.0);
+    assert_true(fabs(session->flight.state.throttle - begin.throttle) > 0.2);
+    session_on_key(session, begin.throttle > 0.5 ? KEY_PAGE_DOWN : KEY_PAGE_UP, false, false);
+    press(shown, 'R');
+    fly_s(session, 0.5);
+    const FlightState *now = &session->flight.state;
+    print_message("throttle %.3f, taken over with %.3f\n", now->throttle, begin.throttle);
+    assert_true(fabs(now->throttle - begin.throttle) < 0.002);
+    assert_true(vec3d_distance(now->position_ecef, begin.position_ecef) < 0.55 * vec3d_length(begin.velocity_ecef));
+    end_show(shown);
 }
 
 // The moment before the step `end` with the most of ailerons and rudder.
@@ -560,11 +583,16 @@ static void the_last_minutes_are_saved_by_a_key(void **state) {
     session_on_key(&session, KEY_F5, true, false);
     session_on_key(&session, KEY_F5, false, false);
     uint64_t hash = recorder_hash(recorder);
+    Heard heard;
+    heard_begin(&heard);
     for (int i = 0; i < 1000 && strncmp(session.message, "recording: ", 11) != 0; i++) {
         fly_s(&session, 1.0 / 60.0);
         nanosleep(&(struct timespec){.tv_nsec = 10000000}, NULL);
     }
+    heard_end();
     print_message("%s\n", session.message);
+    const char *told = strstr(heard.text, session.message + 11);
+    assert_true(told && !strstr(told + 1, session.message + 11)); // once
     snprintf(wanted, sizeof wanted, "%s/overfly/recordings/overfly-", folder);
     assert_int_equal(strncmp(session.message, "recording: ", 11), 0);
     snprintf(file, sizeof file, "%.200s", session.message + 11);
@@ -637,6 +665,7 @@ int main(void) {
         cmocka_unit_test(options_say_where_it_begins),
         cmocka_unit_test(a_replay_that_differs_says_so_once),
         cmocka_unit_test(a_flight_goes_on_exactly_from_any_moment),
+        cmocka_unit_test(a_reset_goes_back_to_the_controls_of_the_take_over),
         cmocka_unit_test(nothing_jumps_when_it_is_taken_over_in_a_turn),
         cmocka_unit_test(brakes_and_flaps_stay_as_recorded_until_they_are_touched),
         cmocka_unit_test(what_is_flown_after_taking_over_is_recorded),

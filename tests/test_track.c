@@ -194,8 +194,10 @@ static void test_what_is_wrong_with_a_file_is_told_with_its_line(void **state) {
     static const struct {
         const char *text, *said;
     } CASES[] = {
-        {"", ":0: the file is empty"},
+        {"", ": the file is empty; expected a flight as .ofr"},
+        {"# none\n", ":1: the file is empty"},
         {"t_s,lat_deg,lon_deg\n", ":1: expected the columns"},
+        {"t_s, lat_deg,lon_deg,alt_ft\n", "derived,unix_s; found t_s,lat_deg,lon_deg,alt_ft\n"},
         {"t_s,lat_deg,lon_deg,alt_m,heading_deg\n", ":1: expected the columns"},
         {"t_s,lat_deg,lon_deg,alt_m\n", ":1: no points"},
         {"t_s,lat_deg,lon_deg,alt_m\n0,46,8,x\n", ":2: alt_m: found 'x'"},

@@ -289,6 +289,34 @@ static void test_acmi_takes_the_first_aircraft_or_the_one_asked_for(void **state
     }
 }
 
+static void test_who_asks_for_a_flight_that_is_not_there_is_told_which_are(void **state) {
+    (void)state;
+    static const struct {
+        const char *ending, *text, *said;
+    } CASES[] = {
+        {".gpx",
+         GPX("<trk><name>Ann</name><trkseg>" PT("46", "8", AT("00", "1")) "</trkseg></trk><trk><trkseg>" PT(
+             "46", "8", AT("00", "1")) "</trkseg></trk>"),
+         ".gpx: no flight of 'x'; there are: 1 'Ann', 2; name one of them with --object"},
+        {".kml",
+         KML("<Placemark><name>Bob</name><Track>" WHEN("00") "<coord>8 46 1</coord></Track><Track>" WHEN(
+             "01") "<coord>8 46 1</coord></Track></Placemark><Placemark><Track>" WHEN("00") "<coord>8 46 1</coord>"
+                                                                                            "</Track></Placemark>"),
+         ".kml: no flight of 'x'; there are: 1 'Bob', 2; name"},
+        {".acmi", ACMI "#0\n2a,T=2|2|2\n3,T=3|3|3,Pilot=Bob\n#1\n2a,T=2.1||,Name=F-16\n",
+         ".acmi: no flight of 'x'; there are: 2a 'F-16', 3 'Bob'; name"},
+        {".acmi",
+         ACMI "#0\n1,T=1|1|1\n2,T=1|1|1\n3,T=1|1|1\n4,T=1|1|1\n5,T=1|1|1\n6,T=1|1|1\n7,T=1|1|1\n8,T=1|1|1\n"
+              "9,T=1|1|1\n",
+         "there are: 1, 2, 3, 4, 5, 6, 7, 8, and more; name"},
+    };
+    for (size_t i = 0; i < COUNT_OF(CASES); i++) {
+        Read read = read_as(CASES[i].text, CASES[i].ending, (TrackReading){.object = "x"});
+        if (read.result != RESULT_FORMAT || !strstr(read.heard.text, CASES[i].said) || read.heard.errors != 1)
+            fail_msg("%zu: %s, said '%s', expected '%s'", i, result_name(read.result), read.heard.text, CASES[i].said);
+    }
+}
+
 // ---- what is wrong with a file ----
 
 static const struct {
@@ -298,7 +326,8 @@ static const struct {
 } WRONG[] = {
     {".txt", "hello\n", RESULT_FORMAT, ".txt:1: of no known format"},
     {".kmz", "PK\3\4xx", RESULT_FORMAT, "unpack it first"},
-    {".igc", "", RESULT_FORMAT, "no points of a flight"},
+    {".igc", "", RESULT_FORMAT, ".igc: the file is empty; expected a flight as .ofr, .igc, .gpx, .kml, .acmi, .csv"},
+    {".txt", "", RESULT_FORMAT, ".txt: the file is empty"},
     {".igc", "nonsense\n\1\2\3\n", RESULT_FORMAT, "no points of a flight"},
     {".igc", IGC_HEAD "B1200004630000N00800000EV0140001500\n", RESULT_FORMAT, ".igc:3: a point without a valid"},
     {".igc", IGC_HEAD "B1200004630000X00800000EA0140001500\n", RESULT_FORMAT, ".igc:3: a point damaged"},
@@ -364,9 +393,9 @@ static const struct {
     {".kml", "<kml><Placemark><Track>\n" WHEN("00") COORD "</Track><Track>" WHEN("01") COORD, "", CUT("4"), 0},
     {".csv", "t_s,lat_deg,lon_deg,alt_m\n0,46.5,8,1\n1,46.5,8,1\n", "2,46.5,", CUT("4"), 0},
     {".csv", "t_s,lat_deg,lon_deg,alt_m\n0,46.5,8,1\n1,46.5,8,1\n", "2", CUT("4"), 5000},
-    {".igc", IGC_HEAD IGC_FIXES, "B12000246300", ".igc:5: a point damaged, the first of 1 that are left out", 0},
-    {".acmi", ACMI "#0\n2,T=8|46.5|1\n#1\n2,T=8|46.5|1\n", "#2\n2,T=8|4",
-     ".acmi:9: a point damaged, the first of 1 that are left out", 0},
+    {".igc", IGC_HEAD IGC_FIXES, "B12000246300", ".igc:5: a point damaged, which is left out", 0},
+    {".acmi", ACMI "#0\n2,T=8|46.5|1\n#1\n2,T=8|46.5|1\n", "#2\n2,T=8|4", ".acmi:9: a point damaged, which is left out",
+     0},
 };
 
 static void test_a_file_that_breaks_off_is_read_up_to_there(void **state) {
@@ -415,7 +444,7 @@ static void test_one_point_back_in_time_is_left_out_with_a_warning(void **state)
     assert_int_equal(read.result, RESULT_OK);
     assert_int_equal(read.track.count, 3);
     assert_int_equal(read.track.skipped[TRACK_SKIP_BACKWARD], 1);
-    assert_non_null(strstr(read.heard.text, ".gpx:6: a point going back in time, the first of 1"));
+    assert_non_null(strstr(read.heard.text, ".gpx:6: a point going back in time, which is left out"));
     track_clear(&read.track);
 }
 
@@ -765,6 +794,7 @@ int main(void) {
         cmocka_unit_test(test_kml_tracks_are_placed_and_turned),
         cmocka_unit_test(test_acmi_leaves_unchanged_what_is_empty),
         cmocka_unit_test(test_acmi_takes_the_first_aircraft_or_the_one_asked_for),
+        cmocka_unit_test(test_who_asks_for_a_flight_that_is_not_there_is_told_which_are),
         cmocka_unit_test(test_what_is_wrong_is_told_with_file_and_line),
         cmocka_unit_test(test_a_file_that_breaks_off_is_read_up_to_there),
         cmocka_unit_test(test_what_breaks_off_early_or_is_hostile_is_refused),

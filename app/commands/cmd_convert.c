@@ -184,12 +184,16 @@ static Result print_json(const Convert *c) {
     return result;
 }
 
+static const char *points_word(int64_t count) {
+    return count == 1 ? "point" : "points";
+}
+
 static void print_text(const Convert *c) {
     const Track *track = &c->track;
     char start[TRACK_TIME_BYTES];
     const char *begun = start_text(track, start);
     printf("read      %s: %s\n", c->in, c->from->what);
-    printf("flight    %d points, %.0f s, from %s\n", track->count, track_duration_s(track),
+    printf("flight    %d %s, %.0f s, from %s\n", track->count, points_word(track->count), track_duration_s(track),
            begun ? begun : "an unknown day");
     printf("altitudes %s\n", track_heights_what(track->heights));
     printf("attitude  %s\n", track_is_derived(track) ? "derived from the path" : "as recorded");
@@ -197,7 +201,8 @@ static void print_text(const Convert *c) {
         printf("gaps      %d, the longest %.0f s\n", track_gap_count(track), longest_gap_s(track));
     for (int i = 0; i < TRACK_SKIP_COUNT; i++)
         if (track->skipped[i] > 0)
-            printf("left out  %lld points %s\n", (long long)track->skipped[i], track_skip_what((TrackSkip)i));
+            printf("left out  %lld %s %s\n", (long long)track->skipped[i], points_word(track->skipped[i]),
+                   track_skip_what((TrackSkip)i));
     replay_events_print(&c->events, "events    ");
     printf("wrote     %s: %s%s\n", c->out, c->to->what, c->to->has_attitude ? "" : ", which has no attitude");
 }

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #define OPTION_COLUMN 30
+#define SUMMARY_COLUMN 35
 #define LINE_WIDTH 100
 
 static const char *argument_of(const OptionSpec *spec) {
@@ -67,11 +68,20 @@ void help_print_command(const Command *command) {
            file, command->name);
 }
 
+static void print_summary(const Command *command) {
+    char left[128];
+    snprintf(left, sizeof left, "  %-10s%s", command->name, command->positionals);
+    if ((int)strlen(left) >= SUMMARY_COLUMN - 1)
+        printf("%s\n%*s%s\n", left, SUMMARY_COLUMN, "", command->summary);
+    else
+        printf("%-*s%s\n", SUMMARY_COLUMN, left, command->summary);
+}
+
 void help_print_program(void) {
     printf("usage: overfly [SUBCOMMAND] [OPTION]... [SCENE|DEM]...\n"
            "Fly over real elevation models, drawn within a guaranteed error on the screen.\n\nsubcommands\n");
     for (const Command *command = command_table; command->name; command++)
-        printf("  %-10s%-22s %s\n", command->name, command->positionals, command->summary);
+        print_summary(command);
     printf("\nWithout a subcommand: fly; without a SCENE or DEM: the default scene.\n"
            "'overfly SUBCOMMAND --help' lists the options.\n");
 }

@@ -73,6 +73,31 @@ static bool is_picture(const FlightLoop *loop, int64_t index) {
     return ((index + 1) * count + frames - 1) / frames > (index * count + frames - 1) / frames;
 }
 
+// One at a time: the next one waits, and so gets another name.
+static void ask_for_picture(FlightLoop *loop, FrameOrder *order) {
+    loop->session->screenshot_wanted = false;
+    order->asked = picture_new_name((int64_t)time(NULL), order->picture) == RESULT_OK;
+    if (order->asked)
+        snprintf(loop->asked, sizeof loop->asked, "%s", order->picture);
+    else
+        session_say(loop->session, "no picture: the folder for pictures has too long a name");
+}
+
+// What became of it.
+static void hear_picture(FlightLoop *loop, const PipelineStats *stats) {
+    char message[PIPELINE_MESSAGE_BYTES];
+    if (stats->asked == loop->asked_heard)
+        return;
+    loop->asked_heard = stats->asked;
+    if (stats->asked_failure == RESULT_OK)
+        log_info("picture: %s", loop->asked);
+    snprintf(message, sizeof message,
+             stats->asked_failure == RESULT_OK ? "picture: %.140s" : "no picture: %.110s cannot be written",
+             loop->asked);
+    session_say(loop->session, message);
+    loop->asked[0] = '\0';
+}
+
 static void name_picture(FlightLoop *loop, int64_t index, FrameOrder *order) {
     bool last = loop->screenshot && loop->frames > 0 && index + 1 == loop->frames;
     if (last)
@@ -80,17 +105,13 @@ static void name_picture(FlightLoop *loop, int64_t index, FrameOrder *order) {
     else if (is_picture(loop, index))
         snprintf(order->picture, sizeof order->picture, "%s/" FLIGHT_PICTURE_BEGIN "%03d.png", loop->pictures,
                  ++loop->pictures_begun);
-    else if (loop->session->screenshot_wanted && picture_new_name((int64_t)time(NULL), order->picture) == RESULT_OK) {
-        char message[PIPELINE_MESSAGE_BYTES];
-        loop->session->screenshot_wanted = false;
-        log_info("picture: %s", order->picture);
-        snprintf(message, sizeof message, "picture: %.140s", order->picture);
-        session_say(loop->session, message);
-    }
+    else if (loop->session->screenshot_wanted && !loop->asked[0])
+        ask_for_picture(loop, order);
 }
 
 static void make_order(FlightLoop *loop, int64_t index, FrameOrder *order) {
     PipelineStats stats = pipeline_stats(loop->pipeline);
+    hear_picture(loop, &stats);
     session_hear_changes(loop->session, &stats.changes, stats.cut.method);
     session_govern(loop->session, &stats);
     session_order(loop->session, loop->width, loop->height, stats.frame_ms, stats.frame_p99_ms, order);
@@ -155,6 +176,8 @@ Result flight_loop_run(FlightLoop *loop) {
     }
     Result result = fly_frames(loop);
     Result drained = pipeline_drain(loop->pipeline);
+    PipelineStats stats = pipeline_stats(loop->pipeline);
+    hear_picture(loop, &stats);
     if (loop->window) {
         context_on_key(loop->context, NULL, NULL);
         context_on_resize(loop->context, NULL, NULL);

@@ -175,7 +175,6 @@ static void tell_saving(FlightRecorder *recorder, char message[RECORDER_MESSAGE_
         return;
     recorder->saving = false;
     if (saving == RECORDING_SAVING_DONE) {
-        log_info("recording: %s", recorder->saved);
         snprintf(message, RECORDER_MESSAGE_BYTES, "recording: %.140s", recorder->saved);
     } else {
         snprintf(message, RECORDER_MESSAGE_BYTES, "the recording could not be saved: see the log");

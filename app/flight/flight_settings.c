@@ -1,6 +1,7 @@
 #include "app/flight/flight_settings.h"
 
 #include "app/scene_load.h"
+#include "base/rate.h"
 #include "terrain/geodesy.h"
 
 #include <math.h>
@@ -85,6 +86,7 @@ static bool apply_view(FlightSettings *settings, Action action, char *message, s
 }
 
 static bool apply_time(FlightSettings *settings, Action action, char *message, size_t size) {
+    char rate[RATE_BYTES];
     switch (action) {
     case ACTION_PAUSE:
         settings->clock.paused = !settings->clock.paused;
@@ -92,7 +94,8 @@ static bool apply_time(FlightSettings *settings, Action action, char *message, s
     case ACTION_TIME_FASTER:
     case ACTION_TIME_SLOWER:
         flight_clock_change_rate(&settings->clock, action == ACTION_TIME_FASTER ? 1 : -1);
-        snprintf(message, size, "time x %g", flight_clock_rate(&settings->clock));
+        rate_write(flight_clock_rate(&settings->clock), rate);
+        snprintf(message, size, "time %s", rate);
         return true;
     default:
         return false;

@@ -42,10 +42,11 @@ static Result open_context(Fly *fly) {
     fly->window = options_flag(fly->options, OPTION_WINDOW) && !options_text(fly->options, OPTION_VIDEO);
     if (!fly->window)
         return context_create_offscreen(&wanted, &fly->context);
+    wanted.optional = ends_by_itself(fly);
     Result result = context_create_window(&wanted, &fly->context);
     if (result == RESULT_OK)
         return result;
-    if (ends_by_itself(fly)) {
+    if (wanted.optional) {
         log_warn("flying on without a window, as with --no-window, because this flight ends by itself; --pictures DIR "
                  "keeps some of what it would show");
         fly->window = false;

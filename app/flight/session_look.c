@@ -20,8 +20,13 @@ double session_altitude_m(const FlightSession *session, const FlightInstruments 
 #define HELP_ROW(id, keys, help) {keys, help},
 static const RenderHelpRow help_rows[] = {ACTION_HELD_TABLE(HELP_ROW) ACTION_FLYING_TABLE(HELP_ROW)
                                               ACTION_ONCE_TABLE(HELP_ROW)};
+#define KIOSK_ROW(id, keys, help) {keys, ACTION_##id == ACTION_LEAVE ? "begin the demonstration again" : help},
+static const RenderHelpRow kiosk_help_rows[] = {ACTION_HELD_TABLE(HELP_ROW) ACTION_FLYING_TABLE(HELP_ROW)
+                                                    ACTION_ONCE_TABLE(KIOSK_ROW)};
 static const RenderHelpRow replay_help_rows[] = {ACTION_REPLAY_TABLE(HELP_ROW) ACTION_ONCE_TABLE(HELP_ROW)};
 #undef HELP_ROW
+#undef KIOSK_ROW
+_Static_assert(COUNT_OF(kiosk_help_rows) == COUNT_OF(help_rows), "only what a key does differs");
 
 static RenderReplay make_replay(const FlightSession *session) {
     const Timeline *timeline = &session->timeline;
@@ -85,11 +90,13 @@ static RenderHud make_hud(const FlightSession *session, double frame_ms, double 
     const FlightSettings *settings = &session->settings;
     FlightInstruments now = flight_instruments(&session->flight);
     const FlightState *state = &session->flight.state;
-    bool only_path = session->playback && session->moment.only_path;
+    bool only_path = session->playback && session->moment.only_path, kiosk = session->kiosk_idle_s > 0.0;
     return (RenderHud){.show_flight = settings->show_flight,
                        .show_numbers = settings->show_numbers,
                        .show_help = settings->show_help,
-                       .help = session->playback ? replay_help_rows : help_rows,
+                       .help = session->playback ? replay_help_rows
+                               : kiosk           ? kiosk_help_rows
+                                                 : help_rows,
                        .help_count = session->playback ? (int)COUNT_OF(replay_help_rows) : (int)COUNT_OF(help_rows),
                        .replay = make_replay(session),
                        .heading_rad = now.heading_rad,
@@ -109,6 +116,7 @@ static RenderHud make_hud(const FlightSession *session, double frame_ms, double 
                        .altitude_m = session_altitude_m(session, &now),
                        .above_ground_m = now.above_ground_m,
                        .vertical_speed_m_s = now.vertical_speed_m_s,
+                       .no_engine = session->aircraft.engine == AIRCRAFT_GLIDER,
                        .throttle = only_path ? (double)NAN : session->flight.state.throttle,
                        .velocity_ecef = session->flight.state.velocity_ecef,
                        .over_terrain = now.over_ground,

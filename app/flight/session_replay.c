@@ -2,6 +2,7 @@
 // it was.
 #include "app/flight/flight_session.h"
 #include "base/log.h"
+#include "base/rate.h"
 #include "terrain/geodesy.h"
 
 #include <inttypes.h>
@@ -142,8 +143,9 @@ void session_end_replay(FlightSession *session) {
 }
 
 static void say_rate(FlightSession *session) {
-    char message[PIPELINE_MESSAGE_BYTES];
-    snprintf(message, sizeof message, "replay x %g", timeline_rate(&session->timeline));
+    char message[PIPELINE_MESSAGE_BYTES], rate[RATE_BYTES];
+    rate_write(timeline_rate(&session->timeline), rate);
+    snprintf(message, sizeof message, "replay %s", rate);
     session_say(session, message);
 }
 

@@ -208,6 +208,10 @@ static Result draw_next(Pipeline *p, Packet *packet) {
     pthread_mutex_lock(&p->lock);
     if (p->counts.stats.picture_failure == RESULT_OK)
         p->counts.stats.picture_failure = drawn.picture_failure;
+    if (result == RESULT_OK && !drawn.refused && packet->order.asked) {
+        p->counts.stats.asked_failure = drawn.picture_failure;
+        p->counts.stats.asked++;
+    }
     PacketState state = drawn.refused ? PACKET_REFUSED : PACKET_FREE;
     if (result == RESULT_OK && !drawn.refused)
         state = count_frame(p, packet, &drawn);

@@ -22,6 +22,7 @@ typedef struct FrameOrder {
     RenderPacket look;                    // all but cuts, `split`, and the HUD's message and methods
     char message[PIPELINE_MESSAGE_BYTES]; // for the HUD; "": none
     char picture[PATHS_BYTES_MAX];        // write the finished frame as PNG; "": no
+    bool asked;                           // a person wants to know what became of it: PipelineStats.asked
     bool film;                            // add it to PipelineOptions.video
 } FrameOrder;
 

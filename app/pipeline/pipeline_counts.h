@@ -51,6 +51,8 @@ typedef struct PipelineStats {
     MethodChanges changes;
     double longest_gpu_create_ms; // the renderer's share of a resident method's creation, in the drawing thread
     Result picture_failure;       // of the first picture that could not be written; the flight goes on
+    int64_t asked;                // pictures with FrameOrder.asked that are written, or cannot be
+    Result asked_failure;         // of the last of them
     PipelineFrame latest[PIPELINE_FRAMES_KEPT]; // frame i, from 0, is at i % PIPELINE_FRAMES_KEPT
 } PipelineStats;
 

@@ -213,9 +213,10 @@ static Result check_whole(const char *file, const uint8_t *bytes, size_t count, 
     uint32_t expected = recording_get32(bytes + TEXT_AT + text_bytes);
     if (*crc == expected)
         return RESULT_OK;
-    log_error("%s: byte %zu: the header's checksum is %08" PRIx32 ", expected %08" PRIx32
-              "; the header is damaged: take a copy",
-              file, TEXT_AT + text_bytes, *crc, expected);
+    log_error(
+        "%s: byte %zu: the header's checksum is %08" PRIx32 ", expected %08" PRIx32
+        "; the header is damaged, and nothing after it can be read: use another copy of the file, if there is one",
+        file, TEXT_AT + text_bytes, *crc, expected);
     return RESULT_FORMAT;
 }
 

@@ -1,6 +1,7 @@
 #include "app/replay/replay_events.h"
 
 #include "app/recording/recording_bytes.h"
+#include "base/rate.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -47,15 +48,17 @@ void replay_events_add(const ReplayEvents *events, Json *parent) {
 }
 
 void replay_events_print(const ReplayEvents *events, const char *label) {
-    char when[RECORDING_TIME_BYTES];
+    char when[RECORDING_TIME_BYTES], text[RATE_BYTES];
     double rate;
     for (int i = 0; i < events->count && i < PRINTED_MOST; i++) {
         const RecordingEvent *event = &events->events[i];
         printf("%s%s %s", i == 0 ? label : ", ",
                recording_time_text(steps_until(events, event), events->steps_per_s, when),
                recording_event_name(event->kind));
-        if (read_rate(event, &rate))
-            printf(" %g", rate);
+        if (read_rate(event, &rate)) {
+            rate_write(rate, text);
+            printf(" %s", text);
+        }
     }
     if (events->count > PRINTED_MOST)
         printf(", and %d more (--json has all)", events->count - PRINTED_MOST);

@@ -96,7 +96,8 @@ static void read_global(Reader *r, char *rest) {
 // ---- objects ----
 
 typedef struct Object {
-    char *place; // the value of T; NULL: none
+    char *place;      // the value of T; NULL: none
+    const char *name; // where one is asked for; NULL: none
     bool is_air, is_named, is_derived;
 } Object;
 
@@ -113,7 +114,10 @@ static Object read_object(const Reader *r, char *rest) {
             object.is_derived = strstr(value, TRACK_DERIVED_MARK) != NULL;
         else
             for (size_t i = 0; i < COUNT_OF(names) && r->how->object; i++)
-                object.is_named |= (value = value_of(part, names[i])) && strcmp(value, r->how->object) == 0;
+                if ((value = value_of(part, names[i]))) {
+                    object.is_named |= strcmp(value, r->how->object) == 0;
+                    object.name = value;
+                }
     }
     return object;
 }
@@ -182,6 +186,8 @@ static Result read_line_of_object(Reader *r, const char *id, char *rest) {
     bool whole = !r->lines.cut && r->lines.ended;
     Object object = read_object(r, rest);
     if (!is_taken(r, id, &object)) {
+        if (object.place || object.name)
+            track_build_other(&r->build, id, object.name);
         if (object.place)
             track_build_skip(&r->build, TRACK_SKIP_OTHER, r->lines.number);
         return RESULT_OK;
@@ -256,6 +262,7 @@ static Result read_all(Reader *r) {
 
 Result track_acmi_read(const char *path, const TrackReading *how, Track *out) {
     Reader reader = {.how = how, .build = track_build_begin(path, out)};
+    reader.build.asked = how->object;
     Result result = track_lines_open(path, &reader.lines);
     if (result != RESULT_OK)
         return result;

@@ -78,6 +78,20 @@ void track_build_gap(TrackBuild *b) {
     b->gap = true;
 }
 
+void track_build_other(TrackBuild *b, const char *id, const char *name) {
+    int i = 0;
+    while (i < b->other_count && strcmp(b->others[i].id, id) != 0)
+        i++;
+    b->more_others |= i == TRACK_OTHERS_MAX;
+    if (!b->asked || i == TRACK_OTHERS_MAX)
+        return;
+    TrackOther *other = &b->others[i];
+    if (i == b->other_count)
+        snprintf(b->others[b->other_count++].id, sizeof other->id, "%s", id);
+    if (name && !other->name[0]) // may come later than the first place
+        snprintf(other->name, sizeof other->name, "%s", name);
+}
+
 void track_build_restart(TrackBuild *b) {
     int64_t other = b->track->skipped[TRACK_SKIP_OTHER] + b->track->count;
     memset(b->track->skipped, 0, sizeof b->track->skipped);
@@ -91,11 +105,14 @@ void track_build_restart(TrackBuild *b) {
 static void warn_of_skipped(const TrackBuild *b) {
     static const TrackSkip told[] = {TRACK_SKIP_MALFORMED, TRACK_SKIP_BACKWARD, TRACK_SKIP_UNTIMED,
                                      TRACK_SKIP_NO_HEIGHT};
-    for (size_t i = 0; i < COUNT_OF(told); i++)
-        if (b->track->skipped[told[i]] > 0)
-            log_warn("%s:%lld: a point %s, the first of %lld that are left out", b->path,
-                     (long long)b->first_line[told[i]], track_skip_what(told[i]),
-                     (long long)b->track->skipped[told[i]]);
+    for (size_t i = 0; i < COUNT_OF(told); i++) {
+        long long line = (long long)b->first_line[told[i]], count = (long long)b->track->skipped[told[i]];
+        if (count == 1)
+            log_warn("%s:%lld: a point %s, which is left out", b->path, line, track_skip_what(told[i]));
+        else if (count > 1)
+            log_warn("%s:%lld: a point %s, the first of %lld that are left out", b->path, line,
+                     track_skip_what(told[i]), count);
+    }
 }
 
 static Result refuse(const TrackBuild *b, TrackSkip why, const char *remedy) {
@@ -117,7 +134,25 @@ static const char *remedy_of(TrackSkip why) {
     return remedies[why];
 }
 
+static Result refuse_asked(const TrackBuild *b) {
+    char list[TRACK_OTHERS_MAX * (sizeof(TrackOther) + 8)];
+    int used = 0;
+    for (int i = 0; i < b->other_count; i++) {
+        const TrackOther *other = &b->others[i];
+        used += snprintf(list + used, sizeof list - (size_t)used, other->name[0] ? "%s%s '%s'" : "%s%s", i ? ", " : "",
+                         other->id, other->name);
+    }
+    log_error("%s: no flight of '%s'; there are: %s%s; name one of them with --object", b->path, b->asked, list,
+              b->more_others ? ", and more" : "");
+    return RESULT_FORMAT;
+}
+
 static Result refuse_empty(const TrackBuild *b) {
+    bool others_alone = b->track->skipped[TRACK_SKIP_OTHER] > 0;
+    for (int why = 0; why < TRACK_SKIP_COUNT; why++)
+        others_alone &= why == TRACK_SKIP_OTHER || b->track->skipped[why] == 0;
+    if (others_alone && b->other_count > 0)
+        return refuse_asked(b);
     for (int why = 0; why < TRACK_SKIP_COUNT; why++)
         if (b->track->skipped[why] > 0)
             return refuse(b, (TrackSkip)why, remedy_of((TrackSkip)why));

@@ -10,9 +10,20 @@
 #define TRACK_JUMP_SPEEDS 5.0   // and than so many times the median speed: a jump, which is a gap as well
 #define TRACK_DEPTH_MIN_M (-20000.0)
 #define TRACK_HEIGHT_MAX_M 1e9
+#define TRACK_OTHERS_MAX 8
+
+// A track or object that was not asked for.
+typedef struct TrackOther {
+    char id[24];   // its number, or an ACMI id
+    char name[40]; // "": none
+} TrackOther;
 
 typedef struct TrackBuild {
     const char *path;
+    const char *asked; // TrackReading.object, of the readers that know it; NULL: none
+    TrackOther others[TRACK_OTHERS_MAX];
+    int other_count;
+    bool more_others; // than are listed
     Track *track;
     int capacity;
     bool gap;                             // the next point begins anew
@@ -25,6 +36,8 @@ TrackBuild track_build_begin(const char *path, Track *track);
 MUST_USE Result track_build_add(TrackBuild *build, int64_t line, const TrackPoint *point);
 void track_build_skip(TrackBuild *build, TrackSkip why, int64_t line);
 void track_build_gap(TrackBuild *build);
+// Notes another track or object than the one asked for, once, to be told where that one is not there. `name`: or NULL.
+void track_build_other(TrackBuild *build, const char *id, const char *name);
 // Forgets all points, to begin with another track of the file.
 void track_build_restart(TrackBuild *build);
 

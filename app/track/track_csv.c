@@ -83,6 +83,28 @@ static int cut_cells(char *line, char *cells[CELLS_MAX]) {
     return count;
 }
 
+#define FOUND_BYTES 160
+
+// The cells as they were, as far as there is room.
+static void join_cells(char *const *cells, int count, char out[FOUND_BYTES]) {
+    int used = 0;
+    out[0] = '\0';
+    for (int i = 0; i < count && used < FOUND_BYTES; i++)
+        used += snprintf(out + used, (size_t)(FOUND_BYTES - used), "%s%s", i ? "," : "", cells[i]);
+    if (used >= FOUND_BYTES)
+        memcpy(out + FOUND_BYTES - 4, "...", 4);
+}
+
+static Result refuse_names(const Reader *r, char *const *cells, int count) {
+    char found[FOUND_BYTES];
+    join_cells(cells, count, found);
+    log_error(
+        "%s:%lld: expected the columns t_s,lat_deg,lon_deg,alt_m, and heading_deg,pitch_deg or neither, and maybe "
+        "bank_deg,gap,derived,unix_s; found %s",
+        r->lines.path, (long long)r->lines.number, found);
+    return RESULT_FORMAT;
+}
+
 static Result read_names(Reader *r) {
     char *cells[CELLS_MAX];
     int count = cut_cells(r->lines.text, cells);
@@ -95,7 +117,7 @@ static Result read_names(Reader *r) {
     bool whole = r->place[T] >= 0 && r->place[LAT] >= 0 && r->place[LON] >= 0 && r->place[ALT] >= 0;
     if (whole && (r->place[HEADING] >= 0) == (r->place[PITCH] >= 0))
         return RESULT_OK;
-    return refuse(r, "expected the columns t_s,lat_deg,lon_deg,alt_m, and heading_deg,pitch_deg or neither");
+    return refuse_names(r, cells, count);
 }
 
 static bool read_number(const char *text, const Column *column, double *out) {

@@ -113,6 +113,13 @@ static Result check_file(const char *path) {
     return RESULT_FORMAT;
 }
 
+static Result refuse_empty(const char *path) {
+    char endings[128];
+    list_endings(false, endings, sizeof endings);
+    log_error("%s: the file is empty; expected a flight as .ofr, %s", path, endings);
+    return RESULT_FORMAT;
+}
+
 static Result read_head(const char *path, char head[HEAD_BYTES + 1]) {
     Result result = check_file(path);
     if (result != RESULT_OK)
@@ -125,7 +132,9 @@ static Result read_head(const char *path, char head[HEAD_BYTES + 1]) {
         log_error("%s: the flight cannot be read: %s", path, strerror(errno));
     if (file)
         fclose(file);
-    return failed ? RESULT_IO : RESULT_OK;
+    if (failed)
+        return RESULT_IO;
+    return count > 0 ? RESULT_OK : refuse_empty(path);
 }
 
 static Result refuse_unknown(const char *path, const char *head) {

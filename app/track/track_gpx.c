@@ -12,9 +12,10 @@ typedef struct Reader {
     const TrackReading *how;
     TrackBuild build;
     const char *path;
-    int number; // of the trk, from 1
-    bool taken; // this trk's points
-    bool begun; // some trk's points were taken
+    int number;                  // of the trk, from 1
+    bool taken;                  // this trk's points
+    bool begun;                  // some trk's points were taken
+    char name[TRACK_NAME_BYTES]; // of this trk
     TrackPoint point;
     double geoid_m; // geoidheight; NaN: none
     bool has_place, has_time, has_height, damaged;
@@ -56,6 +57,7 @@ static Result begin(void *user, const TrackXmlPlace *place, const char *name, co
     }
     if (strcmp(name, "trk") == 0 && place->depth == 2) {
         r->number++;
+        r->name[0] = '\0';
         r->taken = r->how->object ? is_asked_number(r) : !r->begun;
     } else if (strcmp(name, "trkseg") == 0) {
         track_build_gap(&r->build);
@@ -100,14 +102,27 @@ static void end_value(Reader *r, const char *name, const char *text) {
         r->damaged |= !track_read_number(text, &r->geoid_m);
 }
 
+static void end_name(Reader *r, const char *text) {
+    r->taken |= r->how->object && strcmp(text, r->how->object) == 0;
+    snprintf(r->name, sizeof r->name, "%s", text);
+}
+
+static void note_other(Reader *r) {
+    char id[16];
+    snprintf(id, sizeof id, "%d", r->number);
+    track_build_other(&r->build, id, r->name);
+}
+
 static Result end(void *user, const TrackXmlPlace *place, const char *name, const char *text) {
     Reader *r = user;
     if (strcmp(place->parent, "trkpt") == 0)
         end_value(r, name, text);
     else if (strcmp(name, "trkpt") == 0)
         return end_point(r, place->line);
-    else if (strcmp(name, "name") == 0 && strcmp(place->parent, "trk") == 0 && r->how->object)
-        r->taken |= strcmp(text, r->how->object) == 0;
+    else if (strcmp(name, "name") == 0 && strcmp(place->parent, "trk") == 0)
+        end_name(r, text);
+    else if (strcmp(name, "trk") == 0 && !r->taken)
+        note_other(r);
     return RESULT_OK;
 }
 
@@ -132,6 +147,7 @@ static Result finish(Reader *r) {
 Result track_gpx_read(const char *path, const TrackReading *how, Track *out) {
     static const TrackXmlHandler handler = {begin, end, cut};
     Reader reader = {.how = how, .build = track_build_begin(path, out), .path = path};
+    reader.build.asked = how->object;
     Result result = track_xml_read(path, &handler, &reader);
     if (result == RESULT_OK)
         result = finish(&reader);

@@ -24,11 +24,12 @@ typedef struct Reader {
     TrackBuild build;
     Fix *fixes;
     int capacity, when_count, coord_count, angle_count;
-    int placemark;       // from 1
-    int taken_placemark; // whose tracks are taken; 0: none yet
-    bool named;          // this Placemark has the name asked for
-    bool derived;        // it says that its angles are ours
-    bool assumed;        // altitudes of no stated mode
+    int placemark;               // from 1
+    char name[TRACK_NAME_BYTES]; // of this Placemark, where it was told yet
+    int taken_placemark;         // whose tracks are taken; 0: none yet
+    bool named;                  // this Placemark has the name asked for
+    bool derived;                // it says that its angles are ours
+    bool assumed;                // altitudes of no stated mode
     bool mode_told, lines;
 } Reader;
 
@@ -133,11 +134,19 @@ static bool is_taken(Reader *r) {
     return r->taken_placemark == r->placemark;
 }
 
+static void note_other(Reader *r) {
+    char id[16];
+    snprintf(id, sizeof id, "%d", r->placemark);
+    track_build_other(&r->build, id, r->name);
+}
+
 // The first `count` of the lists.
 static Result take_fixes(Reader *r, int count) {
     Result result = RESULT_OK;
     bool taken = count > 0 && is_taken(r);
     track_build_gap(&r->build);
+    if (!taken)
+        note_other(r);
     for (int i = 0; i < count && result == RESULT_OK; i++) {
         if (taken)
             result = add_fix(r, &r->fixes[i]);
@@ -180,6 +189,7 @@ static Result begin(void *user, const TrackXmlPlace *place, const char *name, co
     if (strcmp(name, "Placemark") == 0) {
         r->placemark++;
         r->named = r->derived = false;
+        r->name[0] = '\0';
     } else if (strcmp(name, "Track") == 0) {
         r->mode_told = false;
     }
@@ -195,7 +205,10 @@ static Result end(void *user, const TrackXmlPlace *place, const char *name, cons
         if (strcmp(name, "altitudeMode") == 0)
             return read_mode(r, place, text);
     } else if (strcmp(place->parent, "Placemark") == 0) {
-        r->named |= r->how->object && strcmp(name, "name") == 0 && strcmp(text, r->how->object) == 0;
+        if (strcmp(name, "name") == 0) {
+            r->named |= r->how->object && strcmp(text, r->how->object) == 0;
+            snprintf(r->name, sizeof r->name, "%s", text);
+        }
         r->derived |= strcmp(name, "description") == 0 && strstr(text, TRACK_DERIVED_MARK);
     }
     return strcmp(name, "Track") == 0 ? end_track(r, place) : RESULT_OK;
@@ -215,6 +228,7 @@ static Result finish(Reader *r) {
 Result track_kml_read(const char *path, const TrackReading *how, Track *out) {
     static const TrackXmlHandler handler = {begin, end, cut};
     Reader reader = {.how = how, .build = track_build_begin(path, out), .path = path};
+    reader.build.asked = how->object;
     Result result = track_xml_read(path, &handler, &reader);
     if (result == RESULT_OK)
         result = finish(&reader);

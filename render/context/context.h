@@ -10,7 +10,8 @@ typedef struct ContextOptions {
     int width, height;
     const char *title;
     bool fullscreen, vsync;
-    bool debug; // KHR_debug messages to the log
+    bool debug;    // KHR_debug messages to the log
+    bool optional; // the caller can do without a window: none is a warning, not an error
 } ContextOptions;
 
 // DEVICE: no display, or no GL 4.5; the message says what was found and what is needed.

@@ -90,6 +90,13 @@ static void set_hints(const ContextOptions *options) {
     glfwWindowHint(GLFW_STENCIL_BITS, 0);
 }
 
+static void tell(const ContextOptions *options, const char *what, const char *remedy) {
+    if (options->optional)
+        log_warn("%s: %s; %s", what, last_error(), remedy);
+    else
+        log_error("%s: %s; %s", what, last_error(), remedy);
+}
+
 static Result open_window(WindowContext *self, const ContextOptions *options) {
     GLFWmonitor *monitor = options->fullscreen ? glfwGetPrimaryMonitor() : NULL;
     const GLFWvidmode *mode = monitor ? glfwGetVideoMode(monitor) : NULL;
@@ -97,9 +104,8 @@ static Result open_window(WindowContext *self, const ContextOptions *options) {
     self->window = glfwCreateWindow(mode ? mode->width : options->width, mode ? mode->height : options->height,
                                     options->title, monitor, NULL);
     if (!self->window) {
-        log_error("no window with OpenGL 4.5 core: %s; a newer driver, or Mesa's software renderer "
-                  "(LIBGL_ALWAYS_SOFTWARE=1), has it",
-                  last_error());
+        tell(options, "no window with OpenGL 4.5 core",
+             "a newer driver, or Mesa's software renderer (LIBGL_ALWAYS_SOFTWARE=1), has it");
         return RESULT_DEVICE;
     }
     glfwSetWindowUserPointer(self->window, self);
@@ -118,8 +124,7 @@ Result context_create_window(const ContextOptions *options, Context **out) {
     self->vsync = options->vsync;
     Result result = RESULT_DEVICE;
     if (!glfwInit()) {
-        log_error("no display to open a window on: %s; set DISPLAY, or fly without a window (--no-window)",
-                  last_error());
+        tell(options, "no display to open a window on", "set DISPLAY, or fly without a window (--no-window)");
         goto fail;
     }
     if ((result = open_window(self, options)) != RESULT_OK)

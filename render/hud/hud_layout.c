@@ -14,6 +14,7 @@
 #define ACCURACY_ROWS_LEAST 2.0f
 #define ACCURACY_WIDTH 1.35f // of the panel's, at most
 #define MARGIN 12.0f         // units, as all sizes below
+#define TITLE_ALONE 23.0f    // of a title's height with its distance, right above a readout
 
 static CanvasRect rect_round(CanvasRect rect) {
     return (CanvasRect){roundf(rect.x0), roundf(rect.y0), roundf(rect.x1), roundf(rect.y1)};
@@ -72,12 +73,13 @@ static void place_speed(HudLayout *layout) {
     float u = layout->unit, right = layout->centre.x - layout->radius - 40.0f * u, left = right - scale_width(layout);
     bool under_panel = layout->panel.x1 + 8.0f * u > left;
     float top = under_panel ? layout->panel.y1 + 8.0f * u : layout->states.y1;
-    float middle = fmaxf(layout->centre.y, top + (18.0f + 16.0f) * u);
+    float middle = fmaxf(layout->centre.y, top + (TITLE_ALONE + 16.0f) * u);
     float half = fminf(150.0f * u, fminf(middle - top - 18.0f * u, layout->note.y0 - 50.0f * u - middle));
     bool scale = half >= 48.0f * u;
     half = scale ? half : 16.0f * u;
     layout->speed_box = rect_round((CanvasRect){left, middle - 16.0f * u, right, middle + 16.0f * u});
-    layout->speed_title = rect_round((CanvasRect){left, middle - half - 18.0f * u, right, middle - half});
+    float title = middle - half - (scale ? 18.0f : TITLE_ALONE) * u;
+    layout->speed_title = rect_round((CanvasRect){left, title, right, title + 18.0f * u});
     float rows = middle + half + 66.0f * u <= layout->note.y0 ? 60.0f : 40.0f; // three, or two where room is short
     layout->speed_notes =
         rect_round((CanvasRect){left, middle + half + 6.0f * u, right, middle + half + (6.0f + rows) * u});

@@ -1,6 +1,8 @@
 // Where a recorded flight is: its time on a bar, how fast it goes and which way, and what of it is not recorded.
 #include "render/hud/hud_paint.h"
 
+#include "base/rate.h"
+
 #include <math.h>
 #include <stdio.h>
 
@@ -16,17 +18,13 @@ static void write_time(double t_s, char out[TIME_BYTES]) {
         snprintf(out, TIME_BYTES, "%lld:%02lld", seconds / 60, seconds % 60);
 }
 
-static void write_rate(const RenderReplay *replay, char out[TIME_BYTES]) {
-    double rate = fabs(replay->rate);
-    const char *way = replay->rate < 0.0 ? "\xE2\x88\x92" : "";
+static void write_state(const RenderReplay *replay, char out[TIME_BYTES]) {
     if (replay->in_gap)
         snprintf(out, TIME_BYTES, "not recorded");
     else if (replay->paused)
         snprintf(out, TIME_BYTES, "paused");
-    else if (rate >= 1.0)
-        snprintf(out, TIME_BYTES, "%s%.0f \xC3\x97", way, rate);
     else
-        snprintf(out, TIME_BYTES, "%s1/%.0f \xC3\x97", way, 1.0 / rate);
+        rate_write(replay->rate, out);
 }
 
 static void paint_bar(const HudPainter *painter, const RenderReplay *replay, CanvasRect bar) {
@@ -49,8 +47,8 @@ void hud_paint_replay(const HudPainter *painter, const RenderReplay *replay) {
     write_time(replay->t_s, now);
     write_time(replay->duration_s, all);
     snprintf(times, sizeof times, "%s / %s", now, all);
-    write_rate(replay, rate);
-    snprintf(state, sizeof state, "%s%s", replay->derived ? "attitude derived,  " : "", rate);
+    write_state(replay, rate);
+    snprintf(state, sizeof state, "%s%s", replay->derived ? "attitude derived, " : "", rate);
     canvas_box(painter->canvas, plate, 4.0f * u, HUD_PLATE_DENSE);
     float y = hud_baseline(painter, 0.5f * (plate.y0 + plate.y1), size), inset = 10.0f * u;
     float times_px = text_width_px(painter->text, "00:00:00 / 00:00:00", size);

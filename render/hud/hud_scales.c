@@ -160,7 +160,8 @@ static void paint_speed(const HudPainter *painter, const RenderHud *hud) {
     hud_format_fixed(value, speed, 0);
     paint_readout(painter, layout->speed_box, value, HUD_INK);
     paint_title(painter, layout->speed_title, CANVAS_RIGHT, "km/h");
-    paint_throttle(painter, hud->throttle);
+    if (!hud->no_engine)
+        paint_throttle(painter, hud->throttle);
 }
 
 static void paint_altitude_notes(const HudPainter *painter, const RenderHud *hud) {
