@@ -268,28 +268,42 @@ static bool have_shaded_programs(Scene *scene) {
     return !scene->shaded_refused;
 }
 
-// What the shadow may lie on once more: a branch saves a software renderer nothing, so no other pixel knows of it.
+static void scissor(const SceneView *view, const CraftPixels *pixels) {
+    glScissor(view->x + pixels->x, pixels->y, pixels->width, pixels->height);
+}
+
+static void clear_beside(const SceneView *view, const CraftCast *cast, float depth) {
+    glClearDepthf(depth);
+    for (int i = 0; i < cast->beside_count; i++) {
+        scissor(view, &cast->beside[i]);
+        glClear(GL_DEPTH_BUFFER_BIT);
+    }
+}
+
+// What the shadow may lie on, before all other land: a branch saves a software renderer nothing, so no other pixel
+// knows of it. Beside the aircraft's parts nothing is in front of the nearest depth meanwhile: that is cheaper than to
+// draw part by part.
 static void shade_patches(Scene *scene, const SceneView *view, const CraftCast *cast) {
     TerrainPass *pass = scene->terrain_passes[view->index];
-    glScissor(view->x + cast->x, cast->y, cast->width, cast->height);
-    glDepthFunc(GL_EQUAL);
+    clear_beside(view, cast, 1.0f);
+    scissor(view, &cast->pixels);
     glUseProgram(scene->shaded_land_program);
     terrain_pass_draw_near(pass, scene->cache, TERRAIN_DRY, cast->centre_ecef, cast->radius_m);
     glUseProgram(scene->shaded_shore_program);
     terrain_pass_draw_near(pass, scene->cache, TERRAIN_WET, cast->centre_ecef, cast->radius_m);
+    clear_beside(view, cast, 0.0f);
     glScissor(view->x, 0, view->width, view->height);
-    glDepthFunc(GL_GREATER);
 }
 
 static void draw_land(Scene *scene, const RenderPacket *packet, const SceneView *view, const CraftCast *cast) {
     TerrainPass *pass = scene->terrain_passes[view->index];
+    if (cast->falls && have_shaded_programs(scene))
+        shade_patches(scene, view, cast);
     glUseProgram(scene->land_program);
     terrain_pass_draw(pass, scene->cache, TERRAIN_DRY);
     glUseProgram(scene->shore_program);
     terrain_pass_draw(pass, scene->cache, TERRAIN_WET);
     diamond_pass_draw(scene->diamond_passes[view->index], packet->colouring, cast->falls);
-    if (cast->falls && have_shaded_programs(scene))
-        shade_patches(scene, view, cast);
 }
 
 void scene_draw(Scene *scene, const RenderPacket *packet, const SceneView *view, unsigned framebuffer) {

@@ -14,6 +14,7 @@
 #include "base/arena.h"
 #include "render/atmosphere.h"
 #include "render/craft/craft_cast.h"
+#include "render/craft/craft_split.h"
 #include "render/gl.h"
 #include "render/render.h"
 #include "terrain/geodesy.h"
@@ -425,6 +426,19 @@ typedef struct Search {
     int rays, missed;
 } Search;
 
+static bool is_within(const CraftPixels *pixels, double x, double y) {
+    return x >= pixels->x && x < pixels->x + pixels->width && y >= pixels->y && y < pixels->y + pixels->height;
+}
+
+// The pixel at this place of the view is one of those that are shaded.
+static bool is_shaded(const CraftCast *cast, double x, double y) {
+    double column = (0.5 + 0.5 * x) * 1280.0, row = (0.5 + 0.5 * y) * 800.0;
+    bool shaded = cast->falls && is_within(&cast->pixels, column, row);
+    for (int i = 0; i < cast->beside_count; i++)
+        shaded = shaded && !is_within(&cast->beside[i], column, row);
+    return shaded;
+}
+
 // From a point of the aircraft down the sun's ray to the ground, by small steps; then to the picture.
 static void follow_ray(Search *search, Vec3d from) {
     double last_m = search->reach_m / CRAFT_SUN_TANGENT, ground_m;
@@ -447,7 +461,7 @@ static void follow_ray(Search *search, Vec3d from) {
         if (w < FRAME_NEAR_M)
             return;
         search->rays++;
-        search->missed += !search->cast.falls || x < clip->left || x > clip->right || y < clip->bottom ||
+        search->missed += !is_shaded(&search->cast, x, y) || x < clip->left || x > clip->right || y < clip->bottom ||
                           y > clip->top || along < search->cast.nearest_m - search->reach_m ||
                           vec3d_distance(at, search->cast.centre_ecef) > search->cast.radius_m;
         return;
@@ -472,6 +486,7 @@ static void random_search(uint64_t *seed, Search *search) {
     search->box.low = vec3d(-5.0, -4.0, -1.0);
     search->box.high = vec3d(2.0, 4.0, 1.0);
     search->reach_m = 6.6;
+    search->box.gone_m = search->reach_m / CRAFT_SUN_TANGENT;
     Vec3d eye = vec3d_mad(search->box.position_ecef, place.up, between(seed, -5.0, 60.0));
     eye = vec3d_mad(eye, search->sun, between(seed, -100.0, 30.0));
     Vec3d back = vec3d_normalize(vec3d_mad(vec3d_scale(search->sun, between(seed, -0.5, 1.0)), place.up, 0.8));
@@ -483,6 +498,27 @@ static void random_search(uint64_t *seed, Search *search) {
     frame_set_globe(&search->frame, GROUND_M);
 }
 
+// Both ends of the box and a rod between, which is the aircraft; this share of the pixels is spared.
+static double narrow(const CraftLand *land, Search *search) {
+    static const double ENDS[3][2] = {{-5.0, -4.0}, {-4.0, 1.0}, {1.0, 2.0}};
+    CraftBox boxes[3];
+    double spared = 0.0;
+    for (int i = 0; i < 3; i++) {
+        boxes[i] = search->box;
+        Vec3d middle = {0.5 * (ENDS[i][0] + ENDS[i][1]), 0.0, 0.0};
+        double half = 0.5 * (ENDS[i][1] - ENDS[i][0]), wide = i == 1 ? 0.4 : 1.0;
+        boxes[i].position_ecef = vec3d_add(search->box.position_ecef, quatd_rotate(search->box.ecef_from_body, middle));
+        boxes[i].high = vec3d(half, 4.0 * wide, wide);
+        boxes[i].low = vec3d_scale(boxes[i].high, -1.0);
+    }
+    double before = (double)search->cast.pixels.width * search->cast.pixels.height;
+    craft_cast_narrow(land, &search->frame, boxes, 3, &search->cast);
+    double after = (double)search->cast.pixels.width * search->cast.pixels.height;
+    for (int i = 0; i < search->cast.beside_count; i++)
+        spared += (double)search->cast.beside[i].width * search->cast.beside[i].height;
+    return (before - after + spared) / before;
+}
+
 static void all_of_it_is_looked_for(void **state) {
     (void)state;
     uint64_t seed = 20;
@@ -491,17 +527,27 @@ static void all_of_it_is_looked_for(void **state) {
     Dem *dem = support_rough_dem(SIDE, SIDE, &GEOREF, 800.0, 7);
     Search search = {.terrain = support_terrain(dem, TERRAIN_ERROR_TOTAL, 12, jobs)};
     const CraftLand land = {.terrain = search.terrain, .view_width = 1280, .view_height = 800};
+    double spared = 0.0;
+    int falls = 0;
     for (int i = 0; i < 200; i++) {
         random_search(&seed, &search);
         search.cast = craft_cast_find(&land, &search.frame, &search.box, search.reach_m);
+        if (search.cast.falls) {
+            falls++;
+            spared += narrow(&land, &search);
+        }
         const Vec3d *low = &search.box.low, *high = &search.box.high;
         for (int j = 0; j < 8; j++) {
             Vec3d body = {between(&seed, low->x, high->x), between(&seed, low->y, high->y),
                           between(&seed, low->z, high->z)};
+            if (body.x > -4.0 && body.x < 1.0)
+                body = vec3d(body.x, 0.4 * body.y, 0.4 * body.z);
             follow_ray(&search, vec3d_add(search.box.position_ecef, quatd_rotate(search.box.ecef_from_body, body)));
         }
     }
-    print_message("seed 20: %d rays to the ground in view, %d missed\n", search.rays, search.missed);
+    print_message("seed 20: %d rays to the ground in view, %d missed; %.0f %% of the pixels spared\n", search.rays,
+                  search.missed, 100.0 * spared / falls);
+    assert_true(spared > 0.03 * falls);
     assert_true(search.rays > 300);
     assert_int_equal(search.missed, 0);
     Terrain *terrain = (Terrain *)search.terrain;
@@ -509,14 +555,28 @@ static void all_of_it_is_looked_for(void **state) {
     jobs_destroy(&jobs);
 }
 
+static bool holds(const CraftSplit *split, const float at[3]) {
+    for (int i = 0; i < split->count; i++) {
+        const Vec3d low = split->low[i], high = split->high[i];
+        if (at[0] >= low.x && at[0] <= high.x && at[1] >= low.y && at[1] <= high.y && at[2] >= low.z && at[2] <= high.z)
+            return true;
+    }
+    return false;
+}
+
 static void no_part_is_out_of_reach(void **state) {
     (void)state;
     for (int kind = 0; kind < CRAFT_KIND_COUNT; kind++) {
         CraftModel model;
+        CraftSplit split;
         const CraftShape *shape = craft_shape((CraftKind)kind);
         assert_int_equal(craft_model_create(shape, &model), RESULT_OK);
         print_message("%s: %.2f m, within %.2f\n", shape->name, model.radius_m, craft_shape_reach_m(shape));
         assert_true(model.radius_m <= craft_shape_reach_m(shape));
+        assert_int_equal(craft_split_find(&model, &split), RESULT_OK);
+        assert_true(split.count > 3);
+        for (int i = 0; i < model.mesh.vertex_count; i++)
+            assert_true(holds(&split, model.mesh.vertices[i].position));
         craft_model_free(&model);
     }
 }

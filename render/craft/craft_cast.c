@@ -3,12 +3,15 @@
 #include "terrain/geodesy.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 #define MU_LEAST (-0.03)     // cosine of the sun's zenith angle: below, the land is lit by the sky alone
 #define BETWEEN_SPHERES 1.15 // spheres a radius apart hold the tube that they are in
 #define DESCENT_MOST 2.0     // of a ray towards a slope of 60 degrees, a metre
 #define CLEAR_RADII 3.0      // so high above the ground in its middle, a sphere is clear of such a slope
 #define EDGE_PX 2.0
+#define SPREADS 2.0    // radii of the sun's disc: the mipmaps' texels are wide
+#define STEPS_MOST 8.0 // of a part's spheres along what the aircraft's met
 #define AROUND 4
 #define CORNERS 8
 #define POINTS (2 * CORNERS)
@@ -35,7 +38,7 @@ typedef struct Caster {
     const CraftLand *land;
     Vec3d position, sun;
     Mat3d enu;
-    double reach_m, eye_m, globe_m; // how far away the eye is; height of the globe above the ellipsoid
+    double reach_m, gone_m, eye_m, globe_m; // how far away the eye is; height of the globe above the ellipsoid
 } Caster;
 
 static double ground_m(const Caster *caster, Geodetic place, bool *on_globe) {
@@ -96,8 +99,8 @@ static Vec3d along_ray(const Caster *caster, double along_m) {
 // From sphere to sphere down the ray, until all of one is underground: what is farther lies in the land's own shadow.
 static Stretch find_stretch(const Caster *caster) {
     Stretch stretch = {0};
-    double along_m = 0.0, last_m = caster->reach_m / CRAFT_SUN_TANGENT;
-    while (along_m <= last_m) {
+    double along_m = 0.0;
+    while (along_m <= caster->gone_m) {
         Vec3d at = along_ray(caster, along_m);
         double sphere_m = radius_m(caster, along_m);
         Geodetic place = geodesy_from_ecef(at);
@@ -135,7 +138,7 @@ static void measure_slab(const Caster *caster, Stretch *stretch) {
 // The corners of the box, wider by the penumbra, thrown along the sun's rays to both sides of the slab.
 static void find_points(const Caster *caster, const Stretch *stretch, const CraftBox *box, Vec3d points[POINTS]) {
     double more_m = 2.0 * caster->reach_m + slack_m(caster, stretch->to_m);
-    double least_m = stretch->from_m - more_m, most_m = stretch->to_m + more_m, wider_m = penumbra_m(most_m);
+    double least_m = stretch->from_m - more_m, most_m = stretch->to_m + more_m, wider_m = SPREADS * penumbra_m(most_m);
     double facing = vec3d_dot(stretch->normal, caster->sun);
     for (int i = 0; i < CORNERS; i++) {
         Vec3d corner = {i & 1 ? box->high.x + wider_m : box->low.x - wider_m,
@@ -215,30 +218,122 @@ static void find_sphere(const Frame *frame, const Vec3d points[POINTS], CraftCas
     cast->eye_m = fmax(vec3d_distance(cast->centre_ecef, frame->eye_ecef) - cast->radius_m, FRAME_NEAR_M);
 }
 
+static Caster caster_of(const CraftLand *land, const Frame *frame, const CraftBox *box, double reach_m) {
+    Geodetic place = geodesy_from_ecef(box->position_ecef);
+    Vec3d up = geodesy_up(place.lat_rad, place.lon_rad);
+    return (Caster){.land = land,
+                    .position = box->position_ecef,
+                    .sun = {(double)frame->block.sun[0], (double)frame->block.sun[1], (double)frame->block.sun[2]},
+                    .enu = geodesy_enu_from_ecef(place.lat_rad, place.lon_rad),
+                    .reach_m = reach_m,
+                    .gone_m = box->gone_m,
+                    .eye_m = vec3d_distance(box->position_ecef, frame->eye_ecef),
+                    // A metre up is somewhat more in round space.
+                    .globe_m = frame->globe_m / vec3d_length(frame_round(up))};
+}
+
+// False: no ground is met.
+static bool throw_box(const Caster *caster, const CraftBox *box, Stretch *stretch, Vec3d points[POINTS]) {
+    *stretch = find_stretch(caster);
+    if (!stretch->found)
+        return false;
+    measure_slab(caster, stretch);
+    find_points(caster, stretch, box, points);
+    return true;
+}
+
+static bool find_pixels(const CraftLand *land, const CraftBounds *clip, CraftPixels *pixels) {
+    return pixels_of(clip->left, clip->right, land->view_width, &pixels->x, &pixels->width) &&
+           pixels_of(clip->bottom, clip->top, land->view_height, &pixels->y, &pixels->height);
+}
+
 CraftCast craft_cast_find(const CraftLand *land, const Frame *frame, const CraftBox *box, double reach_m) {
     CraftCast cast = {0};
-    Geodetic place = geodesy_from_ecef(box->position_ecef);
-    Vec3d sun = {(double)frame->block.sun[0], (double)frame->block.sun[1], (double)frame->block.sun[2]};
-    Vec3d up = geodesy_up(place.lat_rad, place.lon_rad);
-    const Caster caster = {.land = land,
-                           .position = box->position_ecef,
-                           .sun = sun,
-                           .enu = geodesy_enu_from_ecef(place.lat_rad, place.lon_rad),
-                           .reach_m = reach_m,
-                           .eye_m = vec3d_distance(box->position_ecef, frame->eye_ecef),
-                           // A metre up is somewhat more in round space.
-                           .globe_m = frame->globe_m / vec3d_length(frame_round(up))};
-    Stretch stretch = vec3d_dot(up, sun) < MU_LEAST ? (Stretch){0} : find_stretch(&caster);
-    if (!stretch.found)
+    const Caster caster = caster_of(land, frame, box, reach_m);
+    Vec3d up = mat3d_mul_vec_transposed(&caster.enu, vec3d(0.0, 0.0, 1.0)), points[POINTS];
+    Stretch stretch;
+    if (vec3d_dot(up, caster.sun) < MU_LEAST || !throw_box(&caster, box, &stretch, points))
         return cast;
-    Vec3d points[POINTS];
-    measure_slab(&caster, &stretch);
-    find_points(&caster, &stretch, box, points);
     cast.clip = bounds_of(frame, points);
-    cast.falls = pixels_of(cast.clip.left, cast.clip.right, land->view_width, &cast.x, &cast.width) &&
-                 pixels_of(cast.clip.bottom, cast.clip.top, land->view_height, &cast.y, &cast.height);
+    cast.falls = find_pixels(land, &cast.clip, &cast.pixels);
     cast.on_globe = stretch.on_globe;
     cast.nearest_m = fmax(stretch.from_m - reach_m, 0.0);
+    cast.long_m = stretch.to_m - stretch.from_m;
     find_sphere(frame, points, &cast);
     return cast;
+}
+
+// ---- part by part ----
+
+static int order(const void *a, const void *b) {
+    return *(const int *)a - *(const int *)b;
+}
+
+static bool is_covered(const CraftPixels *parts, int count, int x, int y) {
+    for (int i = 0; i < count; i++)
+        if (x >= parts[i].x && x < parts[i].x + parts[i].width && y >= parts[i].y && y < parts[i].y + parts[i].height)
+            return true;
+    return false;
+}
+
+// On top of one as wide, it makes that higher.
+static void add_beside(CraftCast *cast, CraftPixels run) {
+    for (int i = 0; i < cast->beside_count; i++) {
+        CraftPixels *below = &cast->beside[i];
+        if (below->x == run.x && below->width == run.width && below->y + below->height == run.y) {
+            below->height += run.height;
+            return;
+        }
+    }
+    cast->beside[cast->beside_count++] = run;
+}
+
+// Of a band from edge to edge.
+static void add_band(const CraftPixels *parts, int count, const int *xs, CraftPixels band, CraftCast *cast) {
+    int begin = xs[0], last = 2 * count - 1;
+    for (int i = 0; i < last; i++) {
+        if (xs[i] == xs[i + 1] || !is_covered(parts, count, xs[i], band.y))
+            continue;
+        if (begin < xs[i])
+            add_beside(cast, (CraftPixels){begin, band.y, xs[i] - begin, band.height});
+        begin = xs[i + 1];
+    }
+    if (begin < xs[last])
+        add_beside(cast, (CraftPixels){begin, band.y, xs[last] - begin, band.height});
+}
+
+static void find_beside(const CraftPixels *parts, int count, CraftCast *cast) {
+    int xs[2 * CRAFT_CAST_PARTS], ys[2 * CRAFT_CAST_PARTS], last = 2 * count - 1;
+    for (int i = 0; i < count; i++) {
+        xs[2 * i] = parts[i].x;
+        xs[2 * i + 1] = parts[i].x + parts[i].width;
+        ys[2 * i] = parts[i].y;
+        ys[2 * i + 1] = parts[i].y + parts[i].height;
+    }
+    qsort(xs, 2 * (size_t)count, sizeof xs[0], order);
+    qsort(ys, 2 * (size_t)count, sizeof ys[0], order);
+    cast->pixels = (CraftPixels){xs[0], ys[0], xs[last] - xs[0], ys[last] - ys[0]};
+    for (int i = 0; i < last; i++) {
+        const CraftPixels band = {xs[0], ys[i], cast->pixels.width, ys[i + 1] - ys[i]};
+        if (band.height > 0)
+            add_band(parts, count, xs, band, cast);
+    }
+}
+
+void craft_cast_narrow(const CraftLand *land, const Frame *frame, const CraftBox *boxes, int count, CraftCast *cast) {
+    CraftPixels parts[CRAFT_CAST_PARTS];
+    int found = 0;
+    for (int i = 0; i < count; i++) {
+        double reach_m = 0.5 * vec3d_distance(boxes[i].low, boxes[i].high);
+        const Caster caster = caster_of(land, frame, &boxes[i], fmax(reach_m, cast->long_m / STEPS_MOST));
+        Vec3d points[POINTS];
+        Stretch stretch;
+        if (!throw_box(&caster, &boxes[i], &stretch, points))
+            continue;
+        CraftBounds clip = bounds_of(frame, points);
+        found += find_pixels(land, &clip, &parts[found]);
+    }
+    cast->falls = found > 0;
+    if (cast->falls)
+        find_beside(parts, found, cast);
 }

@@ -4,6 +4,7 @@
 #include "render/craft/craft_model.h"
 #include "render/craft/craft_shade.h"
 #include "render/craft/craft_shadow.h"
+#include "render/craft/craft_split.h"
 #include "render/gl.h"
 #include "render/shader.h"
 #include "terrain/geodesy.h"
@@ -34,6 +35,7 @@ _Static_assert(sizeof(CraftBlock) ==
 
 typedef struct DrawnModel {
     CraftModel model;
+    CraftSplit split;
     GLuint vertex_array, vertices, indices;
     bool made;
 } DrawnModel;
@@ -93,6 +95,8 @@ static void describe_vertices(GLuint array) {
 
 static Result make_model(CraftKind kind, DrawnModel *drawn) {
     Result result = craft_model_create(craft_shape(kind), &drawn->model);
+    if (result == RESULT_OK && (result = craft_split_find(&drawn->model, &drawn->split)) != RESULT_OK)
+        craft_model_free(&drawn->model);
     if (result != RESULT_OK)
         return result;
     const CraftMesh *mesh = &drawn->model.mesh;
@@ -283,13 +287,31 @@ static void draw_maps(CraftPass *pass, const Frame *frame, const RenderCraft *cr
 }
 
 #define MOVES_M 0.3 // beyond the box of the model, controls and a propeller
+#define PARTS_MOVE_M 0.05
+_Static_assert(CRAFT_SPLIT_MAX == CRAFT_CAST_PARTS, "every part is cast");
+
+static void narrow_cast(const DrawnModel *drawn, const Frame *frame, const CraftBox *box, const CraftLand *land,
+                        CraftCast *cast) {
+    const CraftSplit *split = &drawn->split;
+    const Vec3d more = {PARTS_MOVE_M, PARTS_MOVE_M, PARTS_MOVE_M};
+    CraftBox parts[CRAFT_CAST_PARTS];
+    for (int i = 0; i < split->count; i++) {
+        Vec3d middle = vec3d_scale(vec3d_add(split->low[i], split->high[i]), 0.5);
+        Vec3d half = vec3d_add(vec3d_scale(vec3d_sub(split->high[i], split->low[i]), 0.5), more);
+        parts[i] = *box;
+        parts[i].position_ecef = vec3d_add(box->position_ecef, quatd_rotate(box->ecef_from_body, middle));
+        parts[i].low = vec3d_scale(half, -1.0);
+        parts[i].high = half;
+    }
+    craft_cast_narrow(land, frame, parts, split->count, cast);
+}
 
 // First roughly: the model is made only for a shadow that may be seen.
 static Result find_cast(CraftPass *pass, const Frame *frame, const RenderCraft *craft, const CraftLand *land,
                         CraftCast *cast) {
     double reach_m = craft_shape_reach_m(craft_shape(craft->kind));
     CraftBox box = {craft->position_ecef, craft->ecef_from_body, vec3d(-reach_m, -reach_m, -reach_m),
-                    vec3d(reach_m, reach_m, reach_m)};
+                    vec3d(reach_m, reach_m, reach_m), reach_m / CRAFT_SUN_TANGENT};
     *cast = craft_cast_find(land, frame, &box, reach_m);
     Result result = cast->falls ? have_model(pass, craft->kind) : RESULT_OK;
     if (!cast->falls || result != RESULT_OK)
@@ -299,6 +321,8 @@ static Result find_cast(CraftPass *pass, const Frame *frame, const RenderCraft *
     box.low = vec3d_sub(model->low, moves);
     box.high = vec3d_add(model->high, moves);
     *cast = craft_cast_find(land, frame, &box, reach_m);
+    if (cast->falls)
+        narrow_cast(&pass->models[craft->kind], frame, &box, land, cast);
     return RESULT_OK;
 }
 
