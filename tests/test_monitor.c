@@ -294,12 +294,15 @@ static void a_change_of_lens_or_size_begins_anew(void **state) {
         else
             order.width = WIDTH / 2;
         order.view.px_per_rad = camera_px_per_rad(order.look.camera.fov_y_rad, order.width, order.height, false);
+        int64_t begin_ns = clock_now_ns();
         submit(pipeline, &order);
         assert_int_equal(pipeline_drain(pipeline), RESULT_OK);
         clock_sleep_until_ns(clock_now_ns() + 300000000); // what is shown is refreshed four times a second
         uint64_t revision = monitor_shown(monitor)->revision;
         monitor_follow(monitor, true, &order);
         assert_true(monitor_shown(monitor)->revision > revision);
+        if (clock_now_ns() - begin_ns > 500000000) // on a busy machine it may have come far already
+            continue;
         assert_true(monitor_shown(monitor)->point_count <= 1);
         assert_true(change == 1 || monitor_shown(monitor)->error.state == RENDER_ACCURACY_NOTHING);
     }
