@@ -244,6 +244,34 @@ static void a_start_under_ground_is_raised(void **state) {
     assert_int_equal(flight.state.contact, FLIGHT_AIRBORNE);
 }
 
+// Hands off, until ailerons would be wanted.
+static void a_start_with_bank_is_a_steady_turn(void **state) {
+    (void)state;
+    for (size_t i = 0; i < COUNT_OF(flight_types) * 2; i++) {
+        Aircraft a = flight_type(flight_types[i / 2]);
+        const double bank_rad = i % 2 ? -0.7 : 0.7, speed_m_s = a.cruise_speed;
+        const FlightStart start = {.lat_rad = FLIGHT_LAT,
+                                   .lon_rad = FLIGHT_LON,
+                                   .h_m = 1000.0,
+                                   .heading_rad = 3.0,
+                                   .speed_m_s = speed_m_s,
+                                   .bank_rad = bank_rad};
+        Flight flight = flight_create(&a, &start, (FlightGround){flight_nowhere, NULL});
+        assert_true(flight.trimmed);
+        const FlightInstruments begin = flight_instruments(&flight);
+        flight_on(&flight, flight.controls, 1.0);
+        const FlightInstruments now = flight_instruments(&flight);
+        double turned = now.track_rad - begin.track_rad, wanted = 9.8 * tan(bank_rad) / (speed_m_s * cos(now.path_rad));
+        print_message("%s: load %.4f, then %.4f; path %.4f, %.4f; bank %.4f, %.4f; slip %.4f; turned %.4f of %.4f\n",
+                      a.id, begin.load_factor, now.load_factor, begin.path_rad, now.path_rad, begin.bank_rad,
+                      now.bank_rad, now.beta_rad, turned, wanted);
+        assert_true(fabs(begin.bank_rad - bank_rad) < 1e-9 && fabs(begin.beta_rad) < 1e-9);
+        assert_true(fabs(begin.load_factor - 1.0 / cos(bank_rad)) < 0.02);
+        assert_true(fabs(now.load_factor - begin.load_factor) < 0.03 && fabs(now.bank_rad - bank_rad) < 0.06);
+        assert_true(fabs(turned / wanted - 1.0) < 0.03 && fabs(now.path_rad - begin.path_rad) < 0.02);
+    }
+}
+
 static Flight stand(const Aircraft *aircraft, FlightGround ground) {
     FlightStart start = {.lat_rad = FLIGHT_LAT, .lon_rad = FLIGHT_LON, .on_ground = true, .heading_rad = 0.5};
     Flight flight = flight_create(aircraft, &start, ground);
@@ -557,6 +585,7 @@ int main(void) {
         cmocka_unit_test(every_direction_of_flow_is_finite),
         cmocka_unit_test(every_pole_and_meridian_can_be_flown_over),
         cmocka_unit_test(a_start_under_ground_is_raised),
+        cmocka_unit_test(a_start_with_bank_is_a_steady_turn),
         cmocka_unit_test(aircraft_stand_still_on_flat_and_sloping_ground),
         cmocka_unit_test(contact_never_adds_energy),
         cmocka_unit_test(bumps_do_not_make_it_bounce_ever_higher),

@@ -13,6 +13,8 @@
 #include <math.h>
 #include <time.h>
 
+#include "app/aircraft/airframe.h"
+#include "app/aircraft/isa.h"
 #include "app/replay/replay_events.h"
 #include "terrain/geodesy.h"
 #include "tests/heard.h"
@@ -329,6 +331,154 @@ static void nothing_jumps_when_it_is_taken_over_in_a_turn(void **state) {
         end_show(shown);
     }
 }
+
+// ---- taking over a track ----
+
+#define TRACK_LAT 36.59
+#define TRACK_LON -84.245
+#define TRACK_M 1500.0
+#define METRES_PER_DEG 110970.0 // of latitude
+
+// A replay of a track that a test wrote.
+static Shown *show_track(const Fixture *fixture, const char *path) {
+    static Shown shown;
+    memset(&shown, 0, sizeof shown);
+    assert_int_equal(options_create(COMMAND_REPLAY, &shown.options), RESULT_OK);
+    shown.fixture = fixture;
+    shown.playback = replay_open(&fixture->world, path);
+    assert_int_equal(session_create(&fixture->world.world, shown.options, &shown.session), RESULT_OK);
+    assert_int_equal(session_begin_replay(&shown.session, shown.playback, shown.options), RESULT_OK);
+    return &shown;
+}
+
+// North for 20 s, nothing for 20 s, and on for 20 s.
+static void write_gap(const char *path, double speed_m_s) {
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fprintf(file, "t_s,lat_deg,lon_deg,alt_m,heading_deg,pitch_deg,gap\n");
+    for (int i = 0; i <= 60; i++)
+        if (i <= 20 || i >= 40)
+            fprintf(file, "%d,%.9f,%.9f,%.3f,0,0,%d\n", i, TRACK_LAT + i * speed_m_s / METRES_PER_DEG, TRACK_LON,
+                    TRACK_M, i == 40);
+    assert_int_equal(fclose(file), 0);
+}
+
+static void expect_flies_on(FlightSession *session, double speed_m_s, const char *message) {
+    const FlightInstruments begin = flight_instruments(&session->flight);
+    double stall = airframe_stall_speed(&session->aircraft, isa_at(begin.h_m).density, 0.0);
+    assert_non_null(strstr(session->message, message));
+    assert_string_equal(session->aircraft_name, "c172");
+    bool raised = speed_m_s < 1.3 * stall;
+    assert_true(fabs(begin.true_airspeed - (raised ? 1.3 * stall : speed_m_s)) < 0.2);
+    const char *told = strstr(session->message, "; too slow to fly: started at ");
+    assert_true((told != NULL) == raised);
+    assert_true(!told || fabs(strtod(told + 30, NULL) - 3.6 * begin.calibrated_airspeed) < 0.6);
+    assert_true(fabs(sin(begin.track_rad)) < 0.02 && cos(begin.track_rad) > 0.0 && fabs(begin.path_rad) < 0.01);
+    fly_s(session, 2.0);
+    const FlightInstruments now = flight_instruments(&session->flight);
+    print_message("%s: %.1f m/s, after 2 s %.1f m/s and %.2f m higher\n", session->message, begin.true_airspeed,
+                  now.true_airspeed, now.h_m - begin.h_m);
+    assert_true(fabs(now.h_m - begin.h_m) < 2.0 && now.true_airspeed > 1.2 * stall);
+}
+
+// At both ends, in a gap, at its edges, and at a walk.
+static void a_track_is_never_taken_over_too_slow_to_fly(void **state) {
+    static const double AT_S[] = {0.0, 10.0, 20.0, 20.04, 30.0, 40.0, 40.04, 60.0};
+    char path[128];
+    replay_path("gap", path);
+    for (int walked = 0; walked < 2; walked++) {
+        double speed_m_s = walked ? 1.5 : 55.0;
+        write_gap(path, speed_m_s);
+        for (size_t i = 0; i < COUNT_OF(AT_S); i++) {
+            Shown *shown = show_track(*state, path);
+            session_advance(&shown->session, AT_S[i]);
+            press(shown, KEY_ENTER);
+            expect_flies_on(&shown->session, speed_m_s, "you have control: c172");
+            end_show(shown);
+        }
+    }
+    unlink(path);
+}
+
+// The time that nothing is known of does not make it slow.
+static void a_fast_track_with_a_long_gap_is_no_light_aircraft(void **state) {
+    char path[128];
+    replay_path("fast", path);
+    write_gap(path, 110.0);
+    Shown *shown = show_track(*state, path);
+    assert_string_equal(shown->session.aircraft_name, AIRCRAFT_DEFAULT);
+    session_advance(&shown->session, 30.0);
+    press(shown, KEY_ENTER);
+    assert_string_equal(shown->session.message, "you have control: " AIRCRAFT_DEFAULT);
+    end_show(shown);
+    unlink(path);
+}
+
+// Round in a turn of 45 degrees to the right, recorded or to be worked out.
+static void write_turn(const char *path, double speed_m_s, bool told) {
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    double radius_m = speed_m_s * speed_m_s / 9.81, per_lon = METRES_PER_DEG * cos(TRACK_LAT * GEODESY_RAD_PER_DEG);
+    fprintf(file, "t_s,lat_deg,lon_deg,alt_m%s\n", told ? ",heading_deg,pitch_deg,bank_deg" : "");
+    for (int i = 0; i <= 80; i++) {
+        double angle = 0.25 * i * speed_m_s / radius_m;
+        fprintf(file, "%.2f,%.9f,%.9f,%.3f", 0.25 * i, TRACK_LAT + radius_m * sin(angle) / METRES_PER_DEG,
+                TRACK_LON + radius_m * (1.0 - cos(angle)) / per_lon, TRACK_M);
+        fprintf(file, told ? ",%.6f,3,45\n" : "\n", angle / GEODESY_RAD_PER_DEG);
+    }
+    assert_int_equal(fclose(file), 0);
+}
+
+static void expect_same_turn(FlightSession *session) {
+    const FlightInstruments before = flight_instruments(&session->flight);
+    const Vec3d rate = session->flight.state.rate_body;
+    session_on_key(session, KEY_ENTER, true, false);
+    session_advance(session, FLIGHT_STEP_S);
+    const FlightInstruments after = flight_instruments(&session->flight);
+    double rates_off = vec3d_distance(rate, session->flight.state.rate_body);
+    fly_s(session, 1.0);
+    const FlightInstruments later = flight_instruments(&session->flight);
+    const double deg = GEODESY_RAD_PER_DEG;
+    print_message("bank %.2f, then %.2f and %.2f; heading %.1f, then %.1f and %.1f; rates %.4f off; load %.2f\n",
+                  before.bank_rad / deg, after.bank_rad / deg, later.bank_rad / deg, before.heading_rad / deg,
+                  after.heading_rad / deg, later.heading_rad / deg, rates_off, after.load_factor);
+    assert_true(fabs(before.bank_rad - 45.0 * deg) < 1.0 * deg && fabs(after.bank_rad - before.bank_rad) < 1.0 * deg);
+    assert_true(fabs(after.heading_rad - before.heading_rad) < 0.5 * deg && rates_off < 0.02);
+    assert_true(fabs(after.load_factor - sqrt(2.0)) < 0.05);
+    assert_true(fabs(later.bank_rad - before.bank_rad) < 3.0 * deg &&
+                later.heading_rad - after.heading_rad > 8.0 * deg);
+}
+
+static void a_track_is_taken_over_with_its_bank(void **state) {
+    char path[128];
+    replay_path("turn", path);
+    for (int told = 0; told < 2; told++) {
+        write_turn(path, 55.0, told);
+        Shown *shown = show_track(*state, path);
+        session_advance(&shown->session, 10.0);
+        expect_same_turn(&shown->session);
+        end_show(shown);
+    }
+    unlink(path);
+}
+
+// Until it is flown.
+static void a_track_has_no_throttle_on_the_hud(void **state) {
+    static FrameOrder order;
+    char path[128];
+    replay_path("bare", path);
+    write_gap(path, 55.0);
+    Shown *shown = show_track(*state, path);
+    session_order(&shown->session, 640, 400, 0.0, 0.0, &order);
+    assert_true(order.look.hud.no_engine);
+    press(shown, KEY_ENTER);
+    session_order(&shown->session, 640, 400, 0.0, 0.0, &order);
+    assert_false(order.look.hud.no_engine);
+    end_show(shown);
+    unlink(path);
+}
+
+// ---- what is recorded after it ----
 
 // What was taken over is recorded as a flight of its own, with the land and the aircraft of the one before.
 static void what_is_flown_after_taking_over_is_recorded(void **state) {
@@ -668,6 +818,10 @@ int main(void) {
         cmocka_unit_test(a_reset_goes_back_to_the_controls_of_the_take_over),
         cmocka_unit_test(nothing_jumps_when_it_is_taken_over_in_a_turn),
         cmocka_unit_test(brakes_and_flaps_stay_as_recorded_until_they_are_touched),
+        cmocka_unit_test(a_track_is_never_taken_over_too_slow_to_fly),
+        cmocka_unit_test(a_fast_track_with_a_long_gap_is_no_light_aircraft),
+        cmocka_unit_test(a_track_is_taken_over_with_its_bank),
+        cmocka_unit_test(a_track_has_no_throttle_on_the_hud),
         cmocka_unit_test(what_is_flown_after_taking_over_is_recorded),
         cmocka_unit_test(a_session_with_a_crash_and_a_reset_is_flown_again),
         cmocka_unit_test(what_happens_beside_the_controls_is_recorded),

@@ -19,6 +19,20 @@ double trim_gravity(double h_m) {
     return TRIM_GRAVITY_0 * ratio * ratio;
 }
 
+TrimTurn trim_turn(const TrimWish *wish, double alpha_rad, double path_rad) {
+    if (wish->bank_rad == 0.0)
+        return (TrimTurn){.pitch_rad = alpha_rad + path_rad};
+    // Of the velocity, along x by the cosine and along z by the sine of alpha, the part that goes up.
+    double x = cos(alpha_rad), z = sin(alpha_rad), down = z * cos(wish->bank_rad);
+    double rises = fmin(fmax(sin(path_rad) / hypot(x, down), -1.0), 1.0);
+    double pitch = asin(rises) + atan2(down, x);
+    // Gravity pulls to the side what the turn takes: round the vertical, in rad/s.
+    double across = cos(pitch) * cos(wish->bank_rad) * x + sin(pitch) * z;
+    double turn = trim_gravity(wish->h_m) * cos(pitch) * sin(wish->bank_rad) / (wish->speed_m_s * across);
+    return (TrimTurn){pitch, vec3d(-turn * sin(pitch), turn * cos(pitch) * sin(wish->bank_rad),
+                                   turn * cos(pitch) * cos(wish->bank_rad))};
+}
+
 // Unknowns: angle of attack, elevator, and throttle or path.
 static Trim trim_of(const Aircraft *aircraft, const TrimWish *wish, const Isa *air, const double x[UNKNOWNS]) {
     Trim trim = {.alpha_rad = x[0], .elevator = x[1], .path_rad = wish->throttle_given ? x[2] : wish->path_rad};
@@ -31,10 +45,11 @@ static void residual(const Aircraft *aircraft, const TrimWish *wish, const doubl
     Isa air = isa_at(wish->h_m);
     Trim trim = trim_of(aircraft, wish, &air, x);
     double v = wish->speed_m_s, u = v * cos(trim.alpha_rad), w = v * sin(trim.alpha_rad);
-    double q = -v * cos(trim.path_rad) / (GEODESY_A_M + wish->h_m), g = trim_gravity(wish->h_m);
-    double pitch = trim.alpha_rad + trim.path_rad;
+    const TrimTurn turn = trim_turn(wish, trim.alpha_rad, trim.path_rad);
+    double curve = -v * cos(trim.path_rad) / (GEODESY_A_M + wish->h_m), g = trim_gravity(wish->h_m);
+    double q = curve * cos(wish->bank_rad) + turn.rate_body.y, pitch = turn.pitch_rad;
     AirframeFlow flow = {.air_body = {u, 0.0, w},
-                         .rate_body = {0.0, q, 0.0},
+                         .rate_body = {turn.rate_body.x, q, turn.rate_body.z},
                          .density = air.density,
                          .elevator = trim.elevator,
                          .flaps = wish->flaps,
@@ -43,7 +58,7 @@ static void residual(const Aircraft *aircraft, const TrimWish *wish, const doubl
     AirframeLoad load = airframe_load(aircraft, &flow);
     double thrust = propulsion_at(aircraft, &air, u, trim.engine, trim.throttle).thrust_n;
     r[0] = (load.force.x + thrust) / aircraft->mass - g * sin(pitch) - q * w;
-    r[1] = load.force.z / aircraft->mass + g * cos(pitch) + q * u;
+    r[1] = load.force.z / aircraft->mass + g * cos(pitch) * cos(wish->bank_rad) + q * u;
     r[2] = load.moment.y / aircraft->iyy;
 }
 
@@ -100,14 +115,14 @@ static bool is_possible(const Aircraft *aircraft, const TrimWish *wish, const Tr
 // Where the weight is carried: a start from which Newton's method does not stray.
 static double first_alpha(const Aircraft *a, const TrimWish *wish) {
     double pressure = 0.5 * isa_at(wish->h_m).density * wish->speed_m_s * wish->speed_m_s * a->area;
-    double lift = a->mass * trim_gravity(wish->h_m) / fmax(pressure, 1e-6);
+    double lift = a->mass * trim_gravity(wish->h_m) / fmax(pressure, 1e-6) / cos(wish->bank_rad);
     return fmin(fmax((lift - a->cl_0 - a->cl_flaps * wish->flaps) / a->cl_alpha, -0.1), 0.9 * a->stall_rad);
 }
 
 Result trim_solve(const Aircraft *aircraft, const TrimWish *wish, Trim *out) {
     double x[UNKNOWNS] = {first_alpha(aircraft, wish), 0.0, wish->throttle_given ? 0.0 : 0.5}, r[UNKNOWNS];
     bool glider = aircraft->engine == AIRCRAFT_GLIDER && !wish->throttle_given;
-    if (glider || !(wish->speed_m_s > 1.0) || !(wish->speed_m_s < 1e4))
+    if (glider || !(wish->speed_m_s > 1.0) || !(wish->speed_m_s < 1e4) || !(fabs(wish->bank_rad) <= TRIM_BANK_MOST))
         return RESULT_RANGE;
     for (int i = 0; i < STEPS; i++) {
         residual(aircraft, wish, x, r);

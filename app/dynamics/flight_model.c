@@ -142,15 +142,25 @@ static double start_gear(const Aircraft *aircraft) {
     return aircraft->gear_s > 0.0 ? 0.0 : 1.0;
 }
 
+// A turn that the engine cannot keep at its height: with all of it, the path sinks.
+static bool find_sinking_turn(const Aircraft *aircraft, const FlightStart *start, TrimWish wish, Trim *out) {
+    wish.throttle_given = true;
+    wish.throttle = 1.0;
+    return trim_solve(aircraft, &wish, out) == RESULT_OK && out->path_rad <= start->pitch_rad;
+}
+
 // Steady flight along the path, else level, else at idle: what the aircraft can.
 static bool find_trim(const Aircraft *aircraft, const FlightStart *start, double h_m, Trim *out) {
     TrimWish wish = {.speed_m_s = start->speed_m_s,
                      .h_m = h_m,
                      .path_rad = start->pitch_rad,
                      .throttle_given = aircraft->engine == AIRCRAFT_GLIDER,
-                     .gear = start_gear(aircraft)};
+                     .gear = start_gear(aircraft),
+                     .bank_rad = start->bank_rad};
     if (trim_solve(aircraft, &wish, out) == RESULT_OK)
         return true;
+    if (start->bank_rad != 0.0)
+        return find_sinking_turn(aircraft, start, wish, out);
     wish.path_rad = 0.0;
     bool level = trim_solve(aircraft, &wish, out) == RESULT_OK;
     out->path_rad = start->pitch_rad;
@@ -160,7 +170,8 @@ static bool find_trim(const Aircraft *aircraft, const FlightStart *start, double
 // Without a steady flight: the wing carries what it can, half throttle.
 static Trim guess_trim(const Aircraft *a, const FlightStart *start, double h_m) {
     double pressure = 0.5 * isa_at(h_m).density * fmax(start->speed_m_s * start->speed_m_s, 1.0);
-    double alpha = (a->mass * trim_gravity(h_m) / (pressure * a->area) - a->cl_0) / a->cl_alpha;
+    double load = 1.0 / cos(clamp(start->bank_rad, -TRIM_BANK_MOST, TRIM_BANK_MOST));
+    double alpha = (load * a->mass * trim_gravity(h_m) / (pressure * a->area) - a->cl_0) / a->cl_alpha;
     double throttle = a->engine == AIRCRAFT_GLIDER ? 0.0 : 0.5;
     return (Trim){.alpha_rad = clamp(alpha, -0.5 * a->stall_below_rad, 0.8 * a->stall_rad),
                   .path_rad = start->pitch_rad,
@@ -168,15 +179,30 @@ static Trim guess_trim(const Aircraft *a, const FlightStart *start, double h_m) 
                   .engine = throttle};
 }
 
-static void take_state(Flight *flight, const FlightStart *start, double h_m, const Trim *trim) {
-    FlightState *state = &flight->state;
+// A turn leads the path off the heading, by the share of the angle of attack that lies to the side.
+static void take_motion(FlightState *state, const FlightStart *start, double h_m, const Trim *trim, bool trimmed) {
+    const TrimWish wish = {.speed_m_s = start->speed_m_s, .h_m = h_m, .bank_rad = start->bank_rad};
+    TrimTurn turn = trim_turn(&wish, trim->alpha_rad, trim->path_rad);
     double lat = start->lat_rad, lon = start->lon_rad, heading = start->heading_rad;
     Quatd path = flight_attitude(lat, lon, heading, trim->path_rad, 0.0);
-    state->position_ecef = geodesy_to_ecef((Geodetic){lat, lon, h_m});
-    state->velocity_ecef = vec3d_scale(quatd_rotate(path, vec3d(1, 0, 0)), start->speed_m_s);
-    state->ecef_from_body = flight_attitude(lat, lon, heading, trim->path_rad + trim->alpha_rad, 0.0);
-    double turning = start->speed_m_s * cos(trim->path_rad) / (GEODESY_A_M + h_m); // with the Earth's curve
-    state->rate_body.y = flight->trimmed ? -turning : 0.0;
+    Vec3d ahead = vec3d(1, 0, 0);
+    state->ecef_from_body = flight_attitude(lat, lon, heading, turn.pitch_rad, start->bank_rad);
+    if (start->bank_rad != 0.0) {
+        path = state->ecef_from_body;
+        ahead = vec3d(cos(trim->alpha_rad), 0.0, sin(trim->alpha_rad));
+    }
+    state->velocity_ecef = vec3d_scale(quatd_rotate(path, ahead), start->speed_m_s);
+    double curve = start->speed_m_s * cos(trim->path_rad) / (GEODESY_A_M + h_m); // of the Earth
+    if (!trimmed)
+        return;
+    state->rate_body = turn.rate_body;
+    state->rate_body.y -= curve * cos(start->bank_rad);
+}
+
+static void take_state(Flight *flight, const FlightStart *start, double h_m, const Trim *trim) {
+    FlightState *state = &flight->state;
+    state->position_ecef = geodesy_to_ecef((Geodetic){start->lat_rad, start->lon_rad, h_m});
+    take_motion(state, start, h_m, trim, flight->trimmed);
     state->throttle = trim->throttle;
     state->engine = trim->engine;
     state->elevator = trim->elevator;

@@ -37,8 +37,9 @@ typedef struct FlightState {
 typedef struct FlightStart {
     double lat_rad, lon_rad, h_m; // above the ellipsoid; raised above the ground where it lies below
     double heading_rad, pitch_rad, speed_m_s;
-    bool untrimmed; // elevator neutral and half throttle, instead of in trim
-    bool on_ground; // standing on its wheels instead, engine idle; only where there is ground
+    double bank_rad; // in a turn without slip
+    bool untrimmed;  // elevator neutral and half throttle, instead of in trim
+    bool on_ground;  // standing on its wheels instead, engine idle; only where there is ground
 } FlightStart;
 
 typedef struct Flight {
@@ -50,8 +51,9 @@ typedef struct Flight {
     bool trimmed;      // the start is steady
 } Flight;
 
-// In trim along the heading; the path starts along `pitch_rad`, of a glider along its glide. Where there is no such
-// steady flight (too slow, too fast, too steep) it starts as near as the wing can carry, and `trimmed` is false.
+// In trim along the heading, straight or in the turn of its bank; the path starts along `pitch_rad`, of a glider along
+// its glide. Where there is no such steady flight (too slow, too fast, too steep) it starts as near as the wing can
+// carry, and `trimmed` is false.
 Flight flight_create(const Aircraft *aircraft, const FlightStart *start, FlightGround ground);
 
 // One step of `dt_s` (FLIGHT_STEP_S; other steps for tests of convergence): Runge-Kutta of fourth order, in shorter

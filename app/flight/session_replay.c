@@ -1,5 +1,8 @@
 // A session that shows a recorded flight instead of flying: time goes along it as keys say, and the aircraft is where
 // it was.
+#include "app/aircraft/airframe.h"
+#include "app/aircraft/isa.h"
+#include "app/aircraft/trim.h"
 #include "app/flight/flight_session.h"
 #include "base/log.h"
 #include "base/rate.h"
@@ -13,6 +16,10 @@
 #define RATE_NORMAL 3 // of --time-rate's choices: 1
 #define SPEED_LOOKS 40
 #define SLOW_M_S 80.0
+#define SPEED_LEAST 1.3      // times the stall speed, of a track that is taken over
+#define TURN_SPEED_LEAST 1.1 // times the stall speed of its turn
+#define RATE_MOST 1.0        // rad/s that are taken from a track
+#define KMH_PER_M_S 3.6
 
 static void tell_difference(FlightSession *session) {
     char when[RECORDING_TIME_BYTES], message[PIPELINE_MESSAGE_BYTES];
@@ -50,12 +57,16 @@ static Result find_start(FlightSession *session, const Options *options) {
     return RESULT_OK;
 }
 
-// Metres a second, over the whole track: as the speeds at evenly spread times say.
+// Metres a second, over the whole track but for its gaps: as the speeds at evenly spread times say.
 static double mean_speed(Playback *playback) {
     double sum = 0.0, duration_s = playback_duration_s(playback);
-    for (int i = 0; i < SPEED_LOOKS; i++)
-        sum += vec3d_length(playback_at(playback, duration_s * (i + 0.5) / SPEED_LOOKS).state.velocity_ecef);
-    return sum / SPEED_LOOKS;
+    int known = 0;
+    for (int i = 0; i < SPEED_LOOKS; i++) {
+        PlaybackMoment moment = playback_at(playback, duration_s * (i + 0.5) / SPEED_LOOKS);
+        sum += vec3d_length(moment.state.velocity_ecef);
+        known += !moment.in_gap;
+    }
+    return known > 0 ? sum / known : 0.0;
 }
 
 // A track does not say what flew it: most IGC files are of gliders, and what is slow is no jet.
@@ -94,20 +105,50 @@ Result session_begin_replay(FlightSession *session, Playback *playback, const Op
     return result;
 }
 
-// A recording's state is all there is to know; of a track a steady flight is made from where it was.
-static void fly_on(FlightSession *session) {
-    session->flight.state = playback_at_step(session->playback, session->timeline.t_s).state;
-    if (playback_aircraft(session->playback))
-        return;
-    FlightInstruments now = flight_instruments(&session->flight);
-    double climb = fmin(fmax(now.vertical_speed_m_s / fmax(now.speed_m_s, 1.0), -1.0), 1.0);
+// Also in the turn that it is in, which gliders fly slowly.
+static double least_speed(const Aircraft *aircraft, const FlightInstruments *now) {
+    double stall = airframe_stall_speed(aircraft, isa_at(now->h_m).density, 0.0);
+    double carried = 1.0 / cos(fmin(fabs(now->bank_rad), TRIM_BANK_MOST));
+    return stall * fmax(SPEED_LEAST, TURN_SPEED_LEAST * sqrt(carried));
+}
+
+// The speed as the HUD shows it.
+static void say_taken(FlightSession *session, bool raised) {
+    char message[PIPELINE_MESSAGE_BYTES];
+    int bytes = snprintf(message, sizeof message, "you have control: %.40s", session->aircraft.id);
+    if (raised)
+        snprintf(message + bytes, sizeof message - (size_t)bytes, "; too slow to fly: started at %.0f km/h",
+                 flight_instruments(&session->flight).calibrated_airspeed * KMH_PER_M_S);
+    session_say(session, message);
+}
+
+// Of a track a steady flight is made from where it was.
+static void fly_on_track(FlightSession *session) {
+    const FlightInstruments now = flight_instruments(&session->flight);
+    const Vec3d rate_body = session->flight.state.rate_body;
+    double speed_m_s = fmax(now.speed_m_s, least_speed(&session->aircraft, &now));
+    double climb = fmin(fmax(now.vertical_speed_m_s / speed_m_s, -1.0), 1.0);
     const FlightStart start = {.lat_rad = now.lat_rad,
                                .lon_rad = now.lon_rad,
                                .h_m = now.h_m,
                                .heading_rad = now.heading_rad,
                                .pitch_rad = asin(climb),
-                               .speed_m_s = now.speed_m_s};
+                               .speed_m_s = speed_m_s,
+                               .bank_rad = now.bank_rad};
     session->flight = flight_create(&session->aircraft, &start, session->flight.ground);
+    // What is slower than it flies turns as no aircraft does, and so do hands that hold a phone.
+    if (speed_m_s == now.speed_m_s && vec3d_length(rate_body) < RATE_MOST)
+        session->flight.state.rate_body = rate_body;
+    say_taken(session, speed_m_s > now.speed_m_s);
+}
+
+// A recording's state is all there is to know.
+static void fly_on(FlightSession *session) {
+    session->flight.state = playback_at_step(session->playback, session->timeline.t_s).state;
+    if (!playback_aircraft(session->playback))
+        fly_on_track(session);
+    else
+        session_say(session, "you have control");
 }
 
 // The surfaces as they are; what a state does not tell, or not whole (flaps and gear on their way, brakes), as the
@@ -139,7 +180,6 @@ void session_end_replay(FlightSession *session) {
     session->stood = false;
     if (session->recorder)
         recorder_restart(session->recorder, RECORDING_EVENT_TAKE_OVER, &session->flight);
-    session_say(session, "you have control");
 }
 
 static void say_rate(FlightSession *session) {

@@ -206,23 +206,43 @@ static Vec3d turn_between(Quatd from, Quatd to) {
     return vec3d(sign * turn.x, sign * turn.y, sign * turn.z);
 }
 
+// Speed and turning at a time, from this side of any gap; none where a point stands alone.
+static void take_motion(const Playback *playback, double t_s, FlightState *state) {
+    const Track *track = &playback->track;
+    double before_s = fmax(t_s - SLOPE_S, 0.0), after_s = fmin(t_s + SLOPE_S, track_duration_s(track));
+    TrackState at = track_state_at(track, t_s), before = track_state_at(track, before_s),
+               after = track_state_at(track, after_s);
+    if (before.in_gap) {
+        before = at;
+        before_s = t_s;
+    }
+    if (after.in_gap) {
+        after = at;
+        after_s = t_s;
+    }
+    if (!(after_s > before_s))
+        return;
+    double share = 1.0 / (after_s - before_s);
+    Vec3d way = vec3d_sub(place_of(playback, &after), place_of(playback, &before));
+    state->velocity_ecef = vec3d_scale(way, share);
+    state->rate_body = vec3d_scale(turn_between(attitude_of(&before), attitude_of(&after)), share);
+}
+
 static PlaybackMoment moment_of_track(const Playback *playback, double t_s) {
-    double last_s = track_duration_s(&playback->track);
-    double before_s = fmax(t_s - SLOPE_S, 0.0), after_s = fmin(t_s + SLOPE_S, last_s);
     const TrackState at = track_state_at(&playback->track, t_s);
     PlaybackMoment moment = {.only_path = true, .in_gap = at.in_gap, .derived = at.derived};
     moment.state.position_ecef = place_of(playback, &at);
     moment.state.ecef_from_body = attitude_of(&at);
-    if (at.in_gap || !(after_s > before_s))
-        return moment;
-    const TrackState before = track_state_at(&playback->track, before_s),
-                     after = track_state_at(&playback->track, after_s);
-    if (before.in_gap || after.in_gap)
-        return moment;
-    double share = 1.0 / (after_s - before_s);
-    Vec3d way = vec3d_sub(place_of(playback, &after), place_of(playback, &before));
-    moment.state.velocity_ecef = vec3d_scale(way, share);
-    moment.state.rate_body = vec3d_scale(turn_between(attitude_of(&before), attitude_of(&after)), share);
+    if (!at.in_gap)
+        take_motion(playback, t_s, &moment.state);
+    return moment;
+}
+
+// In a gap as the aircraft went into it, not standing still.
+static PlaybackMoment moving_moment_of_track(const Playback *playback, double t_s) {
+    PlaybackMoment moment = moment_of_track(playback, t_s);
+    if (moment.in_gap)
+        take_motion(playback, t_s - track_state_at(&playback->track, t_s).held_s, &moment.state);
     return moment;
 }
 
@@ -305,7 +325,8 @@ PlaybackMoment playback_at(Playback *playback, double t_s) {
 
 PlaybackMoment playback_at_step(Playback *playback, double t_s) {
     double share;
-    return playback->reader ? moment_of_step(playback, step_of(playback, t_s, &share)) : moment_of_track(playback, t_s);
+    return playback->reader ? moment_of_step(playback, step_of(playback, t_s, &share))
+                            : moving_moment_of_track(playback, t_s);
 }
 
 PlaybackMoment playback_scout(Playback *playback, double t_s) {

@@ -44,7 +44,7 @@ Vec3d playback_wind(const Playback *playback);                // velocity of the
 // Before the begin and after the end it stands still. A recording is flown again, to the bit, from at most 10 s before;
 // between two steps it is shown in between, except over a jump: a new start.
 PlaybackMoment playback_at(Playback *playback, double t_s);
-// The same, of a recording the last whole step: a state to fly on from.
+// The same as a state to fly on from: of a recording the last whole step, in a gap of a track as fast as before it.
 PlaybackMoment playback_at_step(Playback *playback, double t_s);
 // As playback_at_step, for somebody who looks along the flight beside the one who watches it: what that keeps, and
 // playback_first_difference, stay as they are.

@@ -198,7 +198,8 @@ static int point_before(const Track *track, double t_s) {
 }
 
 static TrackState state_of(const TrackPoint *point) {
-    return as_told((TrackState){point->at, point->bank_deg, false, (point->flags & TRACK_DERIVED) != 0});
+    return as_told(
+        (TrackState){.at = point->at, .bank_deg = point->bank_deg, .derived = (point->flags & TRACK_DERIVED) != 0});
 }
 
 static Geodetic place_between(const Track *track, int i, double share, Viewpoint *at) {
@@ -234,6 +235,7 @@ TrackState track_state_at(const Track *track, double t_s) {
     if (begins_anew(track, i + 1)) {
         TrackState held = state_of(from);
         held.in_gap = true;
+        held.held_s = t - from->t_s;
         return held;
     }
     return state_between(track, i, (t - from->t_s) / (from[1].t_s - from->t_s));

@@ -106,6 +106,7 @@ typedef struct TrackState {
     double bank_deg; // right wing down, -180..180
     bool in_gap;     // nothing is known of this time: the last point before it is held
     bool derived;    // the attitude was worked out from the path
+    double held_s;   // in a gap since that point, 0 else
 } TrackState;
 
 // `t_s` from the first point. Positions are interpolated C1 (cubic Hermite with the slopes of the neighbours), attitude
