@@ -800,18 +800,6 @@ def replays_that_cannot_be_are_refused(cli):
     expect("the recording is as it was", cli.json("replay", "a.ofr", "--verify")["equal"], True)
 
 
-def a_recording_without_its_land_says_so(cli):
-    with open(DEM, "rb") as file, open(cli.path("land.tif"), "wb") as copy:
-        copy.write(file.read())
-    record(cli, "a.ofr", "land.tif")
-    expect("over its land", cli.json("replay", "a.ofr", "--verify")["equal"], True)
-    os.rename(cli.path("land.tif"), cli.path("moved.tif"))
-    for arguments in (["replay", "a.ofr", "--verify"], ["convert", "a.ofr", "a.igc"]):
-        cli.refused(1, ["land.tif", "was recorded over 'land.tif', named as it was there"], *arguments)
-    expect("over the land named", cli.json("replay", "a.ofr", "moved.tif", "--verify")["equal"], True)
-    expect("the same converted", cli.json("convert", "a.ofr", "a.igc", "moved.tif")["first_difference_step"], -1)
-
-
 def a_recording_tells_where_its_land_is_and_how_it_is_read(cli):
     os.mkdir(cli.path("there"))
     there = FlightCli(cli.program, cli.path("there"))
@@ -825,6 +813,11 @@ def a_recording_tells_where_its_land_is_and_how_it_is_read(cli):
     expect("read otherwise, as typed: exit status", run.code, 1)
     os.rename(cli.path("there"), cli.path("moved"))
     expect("beside it", cli.json("replay", "moved/a.ofr", "--verify")["equal"], True)
+    os.rename(cli.path("moved/flat.png"), cli.path("flatter.png"))
+    for arguments in (["replay", "moved/a.ofr", "--verify"], ["convert", "moved/a.ofr", "a.igc"]):
+        cli.refused(1, ["flat.png", "was recorded over 'flat.png', named as it was there"], *arguments)
+    expect("over the land named", cli.json("replay", "moved/a.ofr", "flatter.png", "--verify")["equal"], True)
+    expect("the same converted", cli.json("convert", "moved/a.ofr", "a.igc", "flatter.png")["first_difference_step"], -1)
     cli.warned("--datum changes nothing: a.csv is CSV", "convert", "a.csv", "a.gpx", "--datum", "egm96")
     cli.refused(2, "found 'land.tif' after them, but a.csv is CSV", "convert", "a.csv", "a.gpx", "land.tif")
 
@@ -914,7 +907,7 @@ CASES = [help_is_instant_and_complete, help_comes_even_with_a_damaged_file, wron
          an_aircraft_is_chosen_by_name_or_file, the_table_of_aircraft_is_the_documented_one, flights_are_converted,
          a_conversion_has_its_points_as_far_apart_as_asked, conversions_that_cannot_be_are_refused, a_flight_without_a_date_is_given_one, a_pipe_is_not_waited_for,
          a_full_disk_is_an_error, a_recorded_flight_is_flown_again, another_flight_is_told_from_its_step_on,
-         a_damaged_recording_says_what_is_lost, replays_that_cannot_be_are_refused, a_recording_without_its_land_says_so,
+         a_damaged_recording_says_what_is_lost, replays_that_cannot_be_are_refused,
          a_recording_tells_where_its_land_is_and_how_it_is_read,
          films_have_their_frames_at_exact_times, a_recording_is_converted, a_flight_goes_on_when_the_disk_is_full]
 
