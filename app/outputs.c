@@ -52,10 +52,9 @@ static Result check_list(Output *output, const char *list) {
 
 static Result check_named(const Options *options, Output *output) {
     static const OptionId files[] = {OPTION_GEOID, OPTION_IMAGE, OPTION_AIRCRAFT};
-    // A conversion's second word is what it writes.
-    int count = options_command(options) == COMMAND_CONVERT ? 1 : options_positional_count(options);
+    bool converts = options_command(options) == COMMAND_CONVERT; // its second word is what it writes
     Result result = RESULT_OK;
-    for (int i = 0; i < count && result == RESULT_OK; i++)
+    for (int i = 0; i < options_positional_count(options) && result == RESULT_OK; i += i == 0 && converts ? 2 : 1)
         result = check_input(output, options_positionals(options)[i]);
     for (size_t i = 0; i < COUNT_OF(files) && result == RESULT_OK; i++)
         result = check_input(output, options_text(options, files[i]));

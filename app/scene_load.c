@@ -13,7 +13,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#define DEFAULT_SCENE "jacksboro"
 #define BOUND_CORNER 2 // in CHOICES_BOUND
 #define GEOID_FILE "geoid/egm96-15.pgm"
 
@@ -22,13 +21,17 @@ static bool is_scene_file(const char *path) {
     return dot && strcmp(dot, ".scene") == 0;
 }
 
-// A bare word that is no file may be the name of a scene that came with the program.
-static bool find_named_scene(const char *word, char out[PATHS_BYTES_MAX]) {
+bool world_find_scene(const char *word, char out[PATHS_BYTES_MAX]) {
     char folder[PATHS_BYTES_MAX];
-    if (strpbrk(word, "./") || files_exists(word) || paths_find_data("scenes", folder) != RESULT_OK)
+    if (strpbrk(word, "./") || paths_find_data("scenes", folder) != RESULT_OK)
         return false;
     int printed = snprintf(out, PATHS_BYTES_MAX, "%s/%s.scene", folder, word);
     return printed > 0 && printed < PATHS_BYTES_MAX && files_exists(out);
+}
+
+// A bare word that is no file may be the name of a scene that came with the program.
+static bool find_named_scene(const char *word, char out[PATHS_BYTES_MAX]) {
+    return !files_exists(word) && world_find_scene(word, out);
 }
 
 static Result read_named(const char *const *paths, int count, Scene *out) {
@@ -47,12 +50,14 @@ static Result read_named(const char *const *paths, int count, Scene *out) {
 
 static Result read_default(Scene *out) {
     char path[PATHS_BYTES_MAX];
-    Result result = paths_find_data("scenes/" DEFAULT_SCENE ".scene", path);
+    Result result = paths_find_data("scenes/" WORLD_DEFAULT_SCENE ".scene", path);
     return result == RESULT_OK ? scene_read(path, out) : result;
 }
 
-// The first word of some commands is what to measure, to replay, or to fly.
+// The first word of some commands is what to measure, to replay, or to fly; a conversion's second what it writes.
 static int first_scene(const Options *options) {
+    if (options_command(options) == COMMAND_CONVERT)
+        return 2;
     return (options_command(options) & (COMMAND_BENCH | COMMAND_REPRODUCE | COMMAND_REPLAY | COMMAND_DEMO)) != 0;
 }
 
@@ -183,11 +188,10 @@ Result scene_open_geoid(const Options *options, Geoid **out) {
 
 // In flight the main thread alone takes signals, so no other may be started with them open: neither our workers nor
 // those that image libraries start when they read. One that comes while reading waits until it is done.
-static Result load_dem(const Options *options, const Scene *scene, Dem **out) {
-    DemOptions dem = scene_dem_options(options, scene);
+static Result load_dem(const DemOptions *read_as, const Scene *scene, Dem **out) {
     sigset_t before;
     signals_hold_all(&before);
-    Result result = dem_load(&dem, (const char *const *)scene->dem, scene->dem_count, out);
+    Result result = dem_load(read_as, (const char *const *)scene->dem, scene->dem_count, out);
     signals_restore(&before);
     return result;
 }
@@ -197,7 +201,8 @@ Result scene_load_dem(const Options *options, Dem **out) {
     Result result = read_scene(options, &scene);
     if (result != RESULT_OK)
         return result;
-    result = load_dem(options, &scene, out);
+    const DemOptions read_as = scene_dem_options(options, &scene);
+    result = load_dem(&read_as, &scene, out);
     scene_clear(&scene);
     return result;
 }
@@ -220,9 +225,9 @@ Result scene_error_kind(const Options *options, const char *name, TerrainOptions
     return RESULT_OK;
 }
 
-static Result create_terrain(const Options *options, const TerrainOptions *terrain, World *world) {
+static Result create_terrain(const TerrainOptions *terrain, World *world) {
     Dem *dem = NULL;
-    Result result = load_dem(options, &world->scene, &dem);
+    Result result = load_dem(&world->read_as, &world->scene, &dem);
     if (result != RESULT_OK)
         return result;
     result = terrain_create(terrain, dem, world->geoid, world->jobs, &world->terrain);
@@ -240,15 +245,16 @@ static Result create_jobs(const Options *options, Jobs **out) {
 }
 
 // Takes the scene over.
-static Result load_scene(const Options *options, const TerrainOptions *terrain, const Scene *scene, World *out) {
-    World world = {.scene = *scene};
+static Result load_scene(const Options *options, const TerrainOptions *terrain, const Scene *scene,
+                         const DemOptions *read_as, World *out) {
+    World world = {.scene = *scene, .read_as = read_as ? *read_as : scene_dem_options(options, scene)};
     Result result = create_jobs(options, &world.jobs);
     if (result != RESULT_OK)
         goto fail;
     result = scene_open_geoid(options, &world.geoid);
     if (result != RESULT_OK)
         goto fail;
-    result = create_terrain(options, terrain, &world);
+    result = create_terrain(terrain, &world);
     if (result != RESULT_OK)
         goto fail;
     *out = world;
@@ -268,7 +274,7 @@ static void keep_names(const char *const *names, int count, World *world) {
 Result world_load(const Options *options, World *out) {
     int first = first_scene(options);
     return world_load_listed(options, options_positionals(options) + first, options_positional_count(options) - first,
-                             out);
+                             NULL, out);
 }
 
 Result world_check_listed(const Options *options, const char *const *names, int count) {
@@ -280,12 +286,13 @@ Result world_check_listed(const Options *options, const char *const *names, int 
     return result;
 }
 
-Result world_load_listed(const Options *options, const char *const *names, int count, World *out) {
+Result world_load_listed(const Options *options, const char *const *names, int count, const DemOptions *read_as,
+                         World *out) {
     Scene scene = {.datum = -1, .voids = -1};
     TerrainOptions terrain = scene_terrain_options(options);
     Result result = read_listed(names, count, &scene);
     if (result == RESULT_OK)
-        result = load_scene(options, &terrain, &scene, out);
+        result = load_scene(options, &terrain, &scene, read_as, out);
     if (result == RESULT_OK)
         keep_names(names, count, out);
     return result;
@@ -306,7 +313,7 @@ Result world_load_named(const Options *options, const char *name, const TerrainO
     if (result == RESULT_OK)
         result = check_scene_files(options, &scene);
     if (result == RESULT_OK)
-        return load_scene(options, terrain, &scene, out);
+        return load_scene(options, terrain, &scene, NULL, out);
     scene_clear(&scene);
     return result;
 }

@@ -4,6 +4,7 @@
 #pragma once
 #include "app/viewpoint.h"
 #include "base/base.h"
+#include "base/paths.h"
 #include "base/vec.h"
 #include "config/options.h"
 #include "config/scene.h"
@@ -14,8 +15,11 @@
 
 #define WORLD_NAMES_BYTES 1024
 
+#define WORLD_DEFAULT_SCENE "jacksboro"
+
 typedef struct World {
     char names[WORLD_NAMES_BYTES]; // what was loaded, as it was named, with | between; "": the default scene
+    DemOptions read_as;            // its elevation
     Scene scene;                   // from the scene file; for plain DEMs empty but for their paths
     Jobs *jobs;
     Geoid *geoid; // for people's altitudes, whatever the DEM's own datum
@@ -45,9 +49,13 @@ MUST_USE Result world_check_inputs(const Options *options);
 // of one that came with the program), or DEM files and folders. Jobs, geoid, DEM and terrain as the options say. On
 // failure one message was logged and `out` is empty.
 MUST_USE Result world_load(const Options *options, World *out);
-// The same with names of the caller's instead of the positional arguments; none: the default scene.
+// The same with names of the caller's instead of the positional arguments; none: the default scene. `read_as`: how the
+// DEM is to be read, instead of scene_dem_options; NULL: as that says.
 MUST_USE Result world_check_listed(const Options *options, const char *const *names, int count);
-MUST_USE Result world_load_listed(const Options *options, const char *const *names, int count, World *out);
+MUST_USE Result world_load_listed(const Options *options, const char *const *names, int count,
+                                  const DemOptions *read_as, World *out);
+// Where the scene of that name lies that came with the program, whatever else has the name. False: there is none.
+bool world_find_scene(const char *word, char out[PATHS_BYTES_MAX]);
 // The same for one scene or DEM by its name, or the default scene where it is NULL, with a hierarchy of its own.
 MUST_USE Result world_load_named(const Options *options, const char *name, const TerrainOptions *terrain, World *out);
 // Names to `visit` each file that a world is read from: the scene's own, and what it names. What is not RESULT_OK ends

@@ -8,7 +8,7 @@
 #define COMMANDS_SCENE (COMMANDS_FLIGHT | COMMAND_SNAPSHOT | COMMAND_MESH | COMMAND_BENCH)
 #define COMMANDS_VIEW (COMMANDS_FLIGHT | COMMAND_SNAPSHOT | COMMAND_MESH)
 #define COMMANDS_WORK (COMMANDS_SCENE | COMMAND_REPRODUCE)
-#define COMMANDS_DEM (COMMANDS_WORK | COMMAND_INFO)
+#define COMMANDS_LAND (COMMANDS_WORK | COMMAND_INFO | COMMAND_CONVERT)
 #define COMMANDS_PICTURE (COMMANDS_FLIGHT | COMMAND_SNAPSHOT)
 
 #define CHOICES_DATUM "file|egm96|ellipsoid"
@@ -36,11 +36,11 @@
     X(JSON, "json", 0, FLAG, NULL, "false", 0, 0, NULL, COMMANDS_ALL, "one JSON document on stdout")                   \
     X(THREADS, "threads", 'j', INTEGER, "N", "0", 0, 64, NULL, COMMANDS_WORK, "worker threads; 0: one per processor")  \
                                                                                                                        \
-    X(DATUM, "datum", 0, CHOICE, NULL, "file", 0, 0, CHOICES_DATUM, COMMANDS_DEM, "what heights are measured from")    \
-    X(VOIDS, "voids", 0, CHOICE, NULL, "fill", 0, 0, CHOICES_VOIDS, COMMANDS_DEM, "what samples without data become")  \
-    X(SPACING, "spacing", 0, LENGTH, "LENGTH", NULL, 1e-3, 1e6, NULL, COMMANDS_DEM,                                    \
+    X(DATUM, "datum", 0, CHOICE, NULL, "file", 0, 0, CHOICES_DATUM, COMMANDS_LAND, "what heights are measured from")   \
+    X(VOIDS, "voids", 0, CHOICE, NULL, "fill", 0, 0, CHOICES_VOIDS, COMMANDS_LAND, "what samples without data become") \
+    X(SPACING, "spacing", 0, LENGTH, "LENGTH", NULL, 1e-3, 1e6, NULL, COMMANDS_LAND,                                   \
       "between samples, for images without georeference")                                                              \
-    X(BOUNDS, "bounds", 0, BOUNDS, "W,S,E,N", NULL, 0, 0, NULL, COMMANDS_DEM,                                          \
+    X(BOUNDS, "bounds", 0, BOUNDS, "W,S,E,N", NULL, 0, 0, NULL, COMMANDS_LAND,                                         \
       "degrees, for images without georeference")                                                                      \
     X(GEOID, "geoid", 0, PATH, "FILE", NULL, 0, 0, NULL, COMMANDS_WORK | COMMAND_CONVERT,                              \
       "EGM96 grid (.pgm) instead of the own one")                                                                      \

@@ -728,7 +728,9 @@ def another_flight_is_told_from_its_step_on(cli):
     expect("exit status with --json", run.code, 1)
     for field, wanted in (("equal", False), ("first_difference_step", 0)):
         expect(field, json.loads(run.out)[field], wanted)
-    expect_in("conversion", "another flight from step 0 on", cli.run("convert", "a.ofr", "a.csv").err)
+    run = cli.run("convert", "a.ofr", "a.csv", "--json")
+    expect("conversion: exit status, step", (run.code, json.loads(run.out)["first_difference_step"]), (1, 0))
+    expect_in("conversion", "a.csv: written, but from 0:00:00 on it is not the flight of a.ofr", run.err)
     os.remove(cli.path("mine.aircraft"))
     cli.write("moved/mine.aircraft", figures)
     cli.refused(1, ["mine.aircraft", "--aircraft NAME|FILE"], "replay", "a.ofr", "--verify")
@@ -766,7 +768,12 @@ def a_damaged_recording_says_what_is_lost(cli):
 def replays_that_cannot_be_are_refused(cli):
     replay = ["replay", "--size", "64x48", "--no-window"]
     newer = record(cli, "newer.ofr")
-    record(cli, "a.ofr")
+    with open(newer, "rb") as file:
+        earlier = file.read()
+    record(cli, "newer.ofr")
+    with open(cli.path("newer.ofr~"), "rb") as file:
+        expect_true("what was there before is kept", file.read() == earlier)
+    os.rename(cli.path("newer.ofr~"), cli.path("a.ofr"))
     change_bytes(newer, 8, b"\x63")
     os.mkfifo(cli.path("pipe.ofr"))
     cli.refused(2, "expected a recorded flight", "replay")
@@ -780,6 +787,11 @@ def replays_that_cannot_be_are_refused(cli):
     cli.refused(2, ["--at", "up to 0:00:08.0; found '17'"], *replay, "a.ofr", "--at", "17")
     cli.refused(2, ["--at", "found 'noon'"], *replay, "a.ofr", "--at", "noon")
     cli.refused(2, "./a.ofr is a file that is read", *replay, "a.ofr", "--record", "./a.ofr")
+    os.link(cli.path("a.ofr"), cli.path("newer.ofr~"))
+    cli.refused(2, "newer.ofr~ is a file that is read, a.ofr", *replay, "a.ofr", "--record", "newer.ofr")
+    os.remove(cli.path("newer.ofr~"))
+    cli.write("newer.ofr~", "notes")
+    cli.refused(2, "would be kept as newer.ofr~, which is no recording", "fly", *RECORDED, "--record", "newer.ofr")
     cli.refused(1, ["nowhere: not a folder", "mkdir -p"], "fly", *RECORDED, "--record", "nowhere/b.ofr")
     os.mkdir(cli.path("folder.ofr"))
     cli.refused(1, "a folder", "fly", *RECORDED, "--record", "folder.ofr")
@@ -788,15 +800,26 @@ def replays_that_cannot_be_are_refused(cli):
     expect("the recording is as it was", cli.json("replay", "a.ofr", "--verify")["equal"], True)
 
 
-def a_recording_without_its_land_says_so(cli):
-    with open(DEM, "rb") as file, open(cli.path("land.tif"), "wb") as copy:
-        copy.write(file.read())
-    record(cli, "a.ofr", "land.tif")
-    expect("over its land", cli.json("replay", "a.ofr", "--verify")["equal"], True)
-    os.rename(cli.path("land.tif"), cli.path("moved.tif"))
-    for arguments in (["replay", "a.ofr", "--verify"], ["convert", "a.ofr", "a.igc"]):
-        cli.refused(1, ["land.tif", "was recorded over 'land.tif', named as it was there"], *arguments)
-    expect("over the land named", cli.json("replay", "a.ofr", "moved.tif", "--verify")["equal"], True)
+def a_recording_tells_where_its_land_is_and_how_it_is_read(cli):
+    os.mkdir(cli.path("there"))
+    there = FlightCli(cli.program, cli.path("there"))
+    there.write_picture("flat.png", b"\x81\x2c\0", 65)  # 300 m by the terrarium code
+    there.json("fly", "flat.png", "--spacing", "30m", "--datum", "ellipsoid", "--size", "64x48", "--no-window", "--on-ground",
+               "--frames", "3", "--record", "a.ofr")
+    expect("from elsewhere", cli.json("replay", "there/a.ofr", "--verify")["equal"], True)
+    run = cli.run("convert", "there/a.ofr", "a.csv")
+    expect("converted: exit status, warnings", (run.code, "warning: " in run.err), (0, False))
+    run = cli.run("replay", "there/a.ofr", "--verify", "--datum", "egm96")
+    expect("read otherwise, as typed: exit status", run.code, 1)
+    os.rename(cli.path("there"), cli.path("moved"))
+    expect("beside it", cli.json("replay", "moved/a.ofr", "--verify")["equal"], True)
+    os.rename(cli.path("moved/flat.png"), cli.path("flatter.png"))
+    for arguments in (["replay", "moved/a.ofr", "--verify"], ["convert", "moved/a.ofr", "a.igc"]):
+        cli.refused(1, ["flat.png", "was recorded over 'flat.png', named as it was there"], *arguments)
+    expect("over the land named", cli.json("replay", "moved/a.ofr", "flatter.png", "--verify")["equal"], True)
+    expect("the same converted", cli.json("convert", "moved/a.ofr", "a.igc", "flatter.png")["first_difference_step"], -1)
+    cli.warned("--datum changes nothing: a.csv is CSV", "convert", "a.csv", "a.gpx", "--datum", "egm96")
+    cli.refused(2, "found 'land.tif' after them, but a.csv is CSV", "convert", "a.csv", "a.gpx", "land.tif")
 
 
 def films_have_their_frames_at_exact_times(cli):
@@ -884,7 +907,8 @@ CASES = [help_is_instant_and_complete, help_comes_even_with_a_damaged_file, wron
          an_aircraft_is_chosen_by_name_or_file, the_table_of_aircraft_is_the_documented_one, flights_are_converted,
          a_conversion_has_its_points_as_far_apart_as_asked, conversions_that_cannot_be_are_refused, a_flight_without_a_date_is_given_one, a_pipe_is_not_waited_for,
          a_full_disk_is_an_error, a_recorded_flight_is_flown_again, another_flight_is_told_from_its_step_on,
-         a_damaged_recording_says_what_is_lost, replays_that_cannot_be_are_refused, a_recording_without_its_land_says_so,
+         a_damaged_recording_says_what_is_lost, replays_that_cannot_be_are_refused,
+         a_recording_tells_where_its_land_is_and_how_it_is_read,
          films_have_their_frames_at_exact_times, a_recording_is_converted, a_flight_goes_on_when_the_disk_is_full]
 
 

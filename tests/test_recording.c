@@ -206,7 +206,7 @@ static void test_the_environment_is_read_back(void **state) {
     RecordingHeader header = toy_header(), other;
     recording_header_set(&header, RECORDING_WEATHER, "wind 270 at 12\nformat=other");
     recording_header_set(&header, RECORDING_DEM, "%s", longest);
-    recording_header_set(&header, RECORDING_SEED, "%d", 42);
+    recording_header_set(&header, RECORDING_BOUNDS, "%d", 42);
     Toy toy = toy_create(1);
     Pilot pilot = pilot_create(1, 12, 0.5);
     RecordingWriter *writer;
@@ -220,8 +220,8 @@ static void test_the_environment_is_read_back(void **state) {
     assert_int_equal(recording_header_difference(&header, &other, (RecordingKey)0), RECORDING_KEY_COUNT);
     assert_string_equal(other.environment[RECORDING_WEATHER], "wind 270 at 12 format=other");
     assert_string_equal(other.environment[RECORDING_DEM] + RECORDING_VALUE_BYTES - 6, "xx...");
-    recording_header_set(&other, RECORDING_SEED, "43");
-    assert_string_equal(recording_key_name(recording_header_difference(&header, &other, (RecordingKey)0)), "seed");
+    recording_header_set(&other, RECORDING_BOUNDS, "43");
+    assert_string_equal(recording_key_name(recording_header_difference(&header, &other, (RecordingKey)0)), "bounds");
     recording_reader_close(&reader);
     unlink(path);
 }

@@ -19,6 +19,7 @@
 #include <stdatomic.h>
 #include <time.h>
 
+#include "app/replay/replay_scene.h"
 #include "base/clock.h"
 #include "terrain/geodesy.h"
 #include "tests/heard.h"
@@ -133,6 +134,33 @@ static void resets_and_crashes_are_flown_again(void **state) {
                   flown->steps);
     assert_true(flown->crash > DIVE && flown->anew > flown->crash && flown->anew < RESET);
     assert_true(verdict.equal && verdict.hash == flown->hash && verdict.steps == SHORT_STEPS);
+}
+
+// Before it said where names start from, how its land was read, and what the default scene is called.
+static void an_old_recording_finds_its_land(void **state) {
+    const Fixture *fixture = *state;
+    const RecordingKey NEW[] = {RECORDING_SCENE, RECORDING_FOLDER, RECORDING_DATUM, RECORDING_VOIDS};
+    char path[128];
+    RecordingHeader header;
+    RecordingWriter *writer;
+    World world = {0};
+    Aircraft aircraft;
+    replay_path("old", path);
+    assert_int_equal(aircraft_load(AIRCRAFT_DEFAULT, &aircraft), RESULT_OK);
+    Flight flight = replay_start(&fixture->world, &aircraft);
+    const RecordedFlight recorded = replay_recorded(&flight);
+    flight_recording_header(&fixture->world.world, &recorded, &header);
+    assert_string_equal(header.environment[RECORDING_SCENE], "jacksboro");
+    for (size_t i = 0; i < COUNT_OF(NEW); i++) {
+        assert_string_not_equal(header.environment[NEW[i]], "");
+        recording_header_set(&header, NEW[i], "%s", "");
+    }
+    assert_int_equal(recording_writer_create(&header, path, fixture->flown.states[0], &writer), RESULT_OK);
+    assert_int_equal(recording_writer_close(&writer), RESULT_OK);
+    assert_int_equal(replay_load_scene(fixture->world.options, path, &world), RESULT_OK);
+    assert_int_equal(dem_hash(terrain_dem(world.terrain)), dem_hash(terrain_dem(fixture->world.world.terrain)));
+    world_unload(&world);
+    unlink(path);
 }
 
 // ---- another flight ----
@@ -502,6 +530,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_hour_over_hills_is_the_same_flight_whoever_loads_the_land),
         cmocka_unit_test(resets_and_crashes_are_flown_again),
+        cmocka_unit_test(an_old_recording_finds_its_land),
         cmocka_unit_test(another_control_code_is_told_at_its_step),
         cmocka_unit_test(another_figure_of_the_aircraft_is_told_at_its_step),
         cmocka_unit_test(an_aircraft_with_other_figures_is_warned_of),

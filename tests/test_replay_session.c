@@ -519,6 +519,8 @@ static void what_is_flown_after_taking_over_is_recorded(void **state) {
     assert_int_equal(flight_state_hash(&end.state), flight_state_hash(&last));
     assert_string_equal(playback_header(playback)->environment[RECORDING_SCENE], "a scene|of two");
     assert_string_equal(playback_header(playback)->environment[RECORDING_AIRCRAFT], AIRCRAFT_DEFAULT);
+    assert_string_equal(playback_header(playback)->environment[RECORDING_DATUM], "egm96"); // the scene's
+    assert_string_equal(playback_header(playback)->environment[RECORDING_VOIDS], "fill");
     playback_close(&playback);
     unlink(path);
 }

@@ -22,7 +22,8 @@ typedef struct Convert {
     World world; // of a recording
     Geoid *geoid;
     Track track;
-    ReplayEvents events; // of a recording
+    ReplayEvents events;           // of a recording
+    int64_t first_difference_step; // from which on it was flown otherwise than recorded; -1: nowhere
 } Convert;
 
 #define RECORDING_ENDING ".ofr"
@@ -50,9 +51,18 @@ static Result find_format_to(Convert *c) {
     return RESULT_USAGE;
 }
 
+static Result check_land(const Convert *c) {
+    if (c->from == &recording || options_positional_count(c->options) == 2)
+        return RESULT_OK;
+    log_error("convert: expected two files: the flight to read, and what to write it as; found '%s' after them, but %s "
+              "is %s, and only a recording (" RECORDING_ENDING ") is flown again, over land",
+              options_positionals(c->options)[2], c->in, c->from->what);
+    return RESULT_USAGE;
+}
+
 // What the input is comes first: without it nothing else matters.
 static Result check_names(Convert *c) {
-    if (options_positional_count(c->options) != 2) {
+    if (options_positional_count(c->options) < 2) {
         log_error("convert: expected two files: the flight to read, and what to write it as");
         return RESULT_USAGE;
     }
@@ -62,15 +72,19 @@ static Result check_names(Convert *c) {
     Result result = playback_is_recording(c->in) ? RESULT_OK : track_format_of_file(c->in, &c->from);
     if (result == RESULT_OK)
         result = find_format_to(c);
+    if (result == RESULT_OK)
+        result = check_land(c);
     return result == RESULT_OK ? outputs_check(c->options, "convert", c->out) : result;
 }
 
 static void warn_of_ignored(const Convert *c) {
+    static const OptionId FLOWN[] = {OPTION_AIRCRAFT, OPTION_DATUM, OPTION_VOIDS, OPTION_SPACING, OPTION_BOUNDS};
     const Options *options = c->options;
     track_warn_of_unused(options, c->in, c->from == &recording ? NULL : c->from);
-    if (c->from != &recording && options_source(options, OPTION_AIRCRAFT) == SOURCE_COMMAND_LINE)
-        log_warn("--aircraft changes nothing: %s is %s; only a recording (" RECORDING_ENDING ") is flown again", c->in,
-                 c->from->what);
+    for (size_t i = 0; i < COUNT_OF(FLOWN) && c->from != &recording; i++)
+        if (options_source(options, FLOWN[i]) == SOURCE_COMMAND_LINE)
+            log_warn("--%s changes nothing: %s is %s; only a recording (" RECORDING_ENDING ") is flown again",
+                     option_spec(FLOWN[i])->name, c->in, c->from->what);
     if (has_whole_seconds(c) && options_is_set(options, OPTION_INTERVAL) &&
         floor(options_number(options, OPTION_INTERVAL)) != options_number(options, OPTION_INTERVAL))
         log_warn("--interval %g: an IGC file has whole seconds, and at most one point in each",
@@ -94,6 +108,18 @@ static double interval_s(const Convert *c) {
     return has_whole_seconds(c) ? INTERVAL_IGC_S : INTERVAL_S;
 }
 
+// A track sees but the steps near its points; where those are as recorded, all are flown.
+static Result find_difference(Playback *playback, int64_t *step) {
+    RecordingVerdict verdict;
+    *step = playback_first_difference(playback);
+    if (*step >= 0)
+        return RESULT_OK;
+    Result result = playback_verify(playback, &verdict);
+    if (result == RESULT_OK)
+        *step = verdict.first_difference_step;
+    return result;
+}
+
 static Result fly_again(Convert *c, TrackReading how) {
     Result result = replay_check_scene(c->options, c->in);
     if (result == RESULT_OK)
@@ -108,6 +134,8 @@ static Result fly_again(Convert *c, TrackReading how) {
     result = playback_open(c->in, &options, &playback);
     if (result == RESULT_OK)
         result = playback_track(playback, interval_s(c), &c->track);
+    if (result == RESULT_OK)
+        result = find_difference(playback, &c->first_difference_step);
     if (result == RESULT_OK)
         result = replay_events_read(playback, &c->events);
     playback_close(&playback);
@@ -174,8 +202,10 @@ static Result print_json(const Convert *c) {
     Json *skipped = json_add_object(json, "skipped");
     for (int i = 0; i < TRACK_SKIP_COUNT; i++)
         json_add_integer(skipped, track_skip_name((TrackSkip)i), track->skipped[i]);
-    if (c->from == &recording)
+    if (c->from == &recording) {
+        json_add_integer(json, "first_difference_step", c->first_difference_step);
         replay_events_add(&c->events, json);
+    }
     json_add_text(json, "output", c->out);
     json_add_text(json, "output_format", c->to->name);
     json_add_bool(json, "output_attitude", c->to->has_attitude);
@@ -207,8 +237,19 @@ static void print_text(const Convert *c) {
     printf("wrote     %s: %s%s\n", c->out, c->to->what, c->to->has_attitude ? "" : ", which has no attitude");
 }
 
+// It is written all the same: there may be no other way to have anything of the flight.
+static Result check_same(const Convert *c) {
+    char when[RECORDING_TIME_BYTES];
+    if (c->first_difference_step < 0)
+        return RESULT_OK;
+    log_error("%s: written, but from %s on it is not the flight of %s, which was flown otherwise here; name its land, "
+              "how that is read (--datum, --voids, --spacing, --bounds, --geoid) or its aircraft as they were",
+              c->out, recording_time_text((uint64_t)c->first_difference_step, RECORDING_STEPS_PER_S, when), c->in);
+    return RESULT_FORMAT;
+}
+
 Result cmd_convert(const Options *options) {
-    Convert convert = {.options = options};
+    Convert convert = {.options = options, .first_difference_step = -1};
     Result result = check_names(&convert);
     if (result == RESULT_OK) {
         warn_of_ignored(&convert);
@@ -220,6 +261,8 @@ Result cmd_convert(const Options *options) {
         result = print_json(&convert);
     else if (result == RESULT_OK && !options_flag(options, OPTION_QUIET))
         print_text(&convert);
+    if (result == RESULT_OK)
+        result = check_same(&convert);
     track_clear(&convert.track);
     replay_events_clear(&convert.events);
     world_unload(&convert.world);

@@ -5,10 +5,13 @@
 #include "base/log.h"
 #include "config/files.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <time.h>
+#include <unistd.h>
 
 #define NAME_BYTES 64
 #define SAME_SECOND_MAX 100
@@ -56,12 +59,39 @@ static void set_aircraft(RecordingHeader *header, const char *name) {
     free(path);
 }
 
+// The names of the choices of an option, as "file|egm96|ellipsoid".
+static void set_choice(RecordingHeader *header, RecordingKey key, OptionId id, int choice) {
+    const char *at = option_spec(id)->choices;
+    for (int i = 0; i < choice; i++)
+        at += strcspn(at, "|") + 1;
+    recording_header_set(header, key, "%.*s", (int)strcspn(at, "|"), at);
+}
+
+static void set_reading(RecordingHeader *header, const DemOptions *dem) {
+    int datum = dem->datum == DEM_DATUM_ELLIPSOID ? 2 : 1;
+    set_choice(header, RECORDING_DATUM, OPTION_DATUM, dem->datum_given ? datum : 0);
+    set_choice(header, RECORDING_VOIDS, OPTION_VOIDS, (int)dem->voids);
+    if (dem->spacing_m > 0.0)
+        recording_header_set(header, RECORDING_SPACING, "%.17g", dem->spacing_m);
+    if (dem->bounds_given)
+        recording_header_set(header, RECORDING_BOUNDS, "%.17g,%.17g,%.17g,%.17g", dem->west_deg, dem->south_deg,
+                             dem->east_deg, dem->north_deg);
+}
+
+static void set_scene(RecordingHeader *header, const World *world) {
+    char folder[RECORDING_VALUE_BYTES];
+    recording_header_set(header, RECORDING_SCENE, "%s", world->names[0] ? world->names : WORLD_DEFAULT_SCENE);
+    if (getcwd(folder, sizeof folder))
+        recording_header_set(header, RECORDING_FOLDER, "%s", folder);
+    set_reading(header, &world->read_as);
+}
+
 void flight_recording_header(const World *world, const RecordedFlight *flown, RecordingHeader *out) {
     const Dem *dem = terrain_dem(world->terrain);
     const Flight *flight = flown->flight;
     *out = recording_header_create(FLIGHT_STATE_BYTES, FLIGHT_STATE_LAYOUT);
     recording_header_set(out, RECORDING_PROGRAM, "overfly %s", version_text());
-    recording_header_set(out, RECORDING_SCENE, "%s", world->names);
+    set_scene(out, world);
     set_time(out);
     recording_header_set(out, RECORDING_DEM, "%s", dem->file);
     recording_header_set(out, RECORDING_DEM_HASH, "%016llx", (unsigned long long)dem_hash(dem));
@@ -81,6 +111,33 @@ void flight_recording_weather(const RecordingHeader *header, Flight *flight) {
 
 // ---- recording ----
 
+// Of what a link leads to, else the name itself.
+static bool kept_name(const char *path, char out[PATHS_BYTES_MAX]) {
+    struct stat about;
+    char *target = lstat(path, &about) == 0 && S_ISLNK(about.st_mode) ? realpath(path, NULL) : NULL;
+    int printed = snprintf(out, PATHS_BYTES_MAX, "%s~", target ? target : path);
+    free(target);
+    return printed > 0 && printed < PATHS_BYTES_MAX;
+}
+
+bool recorder_keeps(const char *path, char out[PATHS_BYTES_MAX]) {
+    struct stat about;
+    return stat(path, &about) == 0 && S_ISREG(about.st_mode) && about.st_size > 0 && kept_name(path, out);
+}
+
+static Result keep_earlier(const char *path) {
+    char kept[PATHS_BYTES_MAX], now[PATHS_BYTES_MAX];
+    if (!path || !recorder_keeps(path, kept))
+        return RESULT_OK;
+    snprintf(now, sizeof now, "%.*s", (int)strlen(kept) - 1, kept);
+    if (rename(now, kept) == 0) {
+        log_info("%s: the recording that was there is kept as %s", path, kept);
+        return RESULT_OK;
+    }
+    log_error("--record: %s is there, and cannot be kept as %s: %s; name another file", path, kept, strerror(errno));
+    return RESULT_IO;
+}
+
 Result recorder_create(const World *world, const Options *options, const RecordedFlight *flown, FlightRecorder **out) {
     const char *path = options_text(options, OPTION_RECORD);
     uint8_t state[FLIGHT_STATE_BYTES];
@@ -94,7 +151,9 @@ Result recorder_create(const World *world, const Options *options, const Recorde
         snprintf(recorder->path, sizeof recorder->path, "%s", path);
     flight_recording_header(world, flown, &header);
     flight_state_pack(&flown->flight->state, state);
-    Result result = recording_writer_create(&header, path, state, &recorder->writer);
+    Result result = keep_earlier(path);
+    if (result == RESULT_OK)
+        result = recording_writer_create(&header, path, state, &recorder->writer);
     if (result == RESULT_OK)
         *out = recorder;
     else

@@ -30,7 +30,10 @@ uint64_t flight_recording_aircraft_hash(const Aircraft *aircraft);
 // The wind that a recording was flown in; none where it says nothing.
 void flight_recording_weather(const RecordingHeader *header, Flight *flight);
 
-// --record: the file; else memory only. Borrows nothing afterwards. Errors of recording_writer_create.
+// Whether there is a recording in a file already, and the name that it is kept under when another is written: with a ~.
+bool recorder_keeps(const char *path, char out[PATHS_BYTES_MAX]);
+// --record: the file, what was in it being kept; else memory only. Borrows nothing afterwards. IO, logged: it cannot be
+// kept; errors of recording_writer_create.
 MUST_USE Result recorder_create(const World *world, const Options *options, const RecordedFlight *flown,
                                 FlightRecorder **out);
 // Finishes the file. IO: not all of the flight is in it; logged.

@@ -69,11 +69,21 @@ static bool holds_something(const char *path) {
     return stat(path, &about) == 0 && S_ISREG(about.st_mode) && about.st_size > 0;
 }
 
-static Result check_record(const Options *options) {
-    const char *record = options_text(options, OPTION_RECORD);
-    Result result = record ? outputs_check(options, "--record", record) : RESULT_OK;
-    if (!record || result != RESULT_OK)
+// An earlier recording takes another name, where nothing may lie that is read or is none.
+static Result check_kept(const Options *options, const char *record) {
+    char kept[PATHS_BYTES_MAX];
+    if (!recorder_keeps(record, kept))
+        return RESULT_OK;
+    Result result = outputs_check(options, "--record: the earlier recording's new name", kept);
+    if (result != RESULT_OK || !files_exists(kept) || playback_is_recording(kept))
         return result;
+    log_error("--record: %s is there, and would be kept as %s, which is no recording of this program; name another "
+              "file",
+              record, kept);
+    return RESULT_USAGE;
+}
+
+static Result check_record_name(const char *record) {
     if (!has_recording_ending(record))
         log_error("--record: expected a file name that ends in " RECORDING_ENDING "; found '%s'", record);
     else if (holds_something(record) && !playback_is_recording(record))
@@ -81,6 +91,16 @@ static Result check_record(const Options *options) {
     else
         return files_check_writable(record);
     return RESULT_USAGE;
+}
+
+static Result check_record(const Options *options) {
+    const char *record = options_text(options, OPTION_RECORD);
+    if (!record)
+        return RESULT_OK;
+    Result result = outputs_check(options, "--record", record);
+    if (result == RESULT_OK)
+        result = check_record_name(record);
+    return result == RESULT_OK ? check_kept(options, record) : result;
 }
 
 // As of recordings; a file of --record, which need not be there yet, is known by its ending.

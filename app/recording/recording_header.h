@@ -12,13 +12,17 @@
 #define RECORDING_KEY_TABLE(X)                                                                                         \
     X(PROGRAM, "program", "name and version")                                                                          \
     X(START_UTC, "start_utc", "when the flight began, ISO 8601")                                                       \
-    X(SCENE, "scene", "its file or name")                                                                              \
+    X(SCENE, "scene", "its file or name, or the elevation files, with | between")                                      \
+    X(FOLDER, "folder", "where the program was started: what relative names start from")                               \
     X(DEM, "dem", "the elevation model's file")                                                                        \
     X(DEM_HASH, "dem_hash", "of its heights")                                                                          \
+    X(DATUM, "datum", "what its heights were taken to be above, as --datum; empty: not known how it was read")         \
+    X(VOIDS, "voids", "what became of samples without data, as --voids")                                               \
+    X(SPACING, "spacing", "metres, as --spacing; empty: not given")                                                    \
+    X(BOUNDS, "bounds", "degrees, as --bounds; empty: not given")                                                      \
     X(AIRCRAFT, "aircraft", "its file or name")                                                                        \
     X(AIRCRAFT_HASH, "aircraft_hash", "of its figures")                                                                \
-    X(WEATHER, "weather", "wind, turbulence, air")                                                                     \
-    X(SEED, "seed", "of all that is random")
+    X(WEATHER, "weather", "wind, turbulence, air")
 
 typedef enum RecordingKey {
 #define RECORDING_KEY_ENUM(id, key, what) RECORDING_##id,

@@ -5,8 +5,10 @@
 #include "app/scene_load.h"
 #include "config/options.h"
 
-// What a replay's command line names after the track; else, of a recording, what it was flown over; else the default
-// scene. Errors of world_check_inputs and world_load; those of a recording's header.
+// What the command line names after the track, or after a conversion's two files; else, of a recording, what it was
+// flown over: as it was named, where it lay then, or beside the recording; else the default scene. The elevation of a
+// recording is read as it was then, but for what the command line says. Errors of world_check_inputs and world_load;
+// those of a recording's header; FORMAT, logged: it was read in a way that is not known here.
 MUST_USE Result replay_check_scene(const Options *options, const char *track);
 MUST_USE Result replay_load_scene(const Options *options, const char *track, World *out);
 // As world_visit_files, of what those would load.
