@@ -40,6 +40,10 @@ static void the_atmosphere_is_that_of_the_tables(void **state) {
         expect_near("density", air.density, table[i].density, 1e-3);
         expect_near("speed of sound", air.sound_m_s, table[i].sound, 1e-3);
     }
+    // Table I has the geopotential height beside each: 4996, 10981 and 19937 m.
+    expect_near("pressure altitude", isa_pressure_altitude(5000.0), 4996.0, 1e-4);
+    expect_near("pressure altitude", isa_pressure_altitude(11000.0), 10981.0, 1e-4);
+    expect_near("pressure altitude", isa_pressure_altitude(20000.0), 19937.0, 1e-4);
 }
 
 static void the_atmosphere_has_no_steps_and_no_end(void **state) {

@@ -618,6 +618,8 @@ def flights_are_converted(cli):
     said = cli.run("convert", "one.csv", "b.gpx").out
     expect_in("convert one.csv", "flight    1 point, ", said)
     expect_in("convert one.csv", "left out  1 point damaged", said)
+    expect("pressure", cli.json("convert", "a.igc", "b.igc")["output_pressure"], False)
+    expect_in("convert", "left out  pressure altitudes: none are known", cli.run("convert", "a.igc", "b.igc").out)
     text = cli.run("convert", "a.igc", "b.gpx").out
     for part in ("89 points, 89 s, from 2024-06-01T12:00:00Z", "above the geoid", "derived from the path", "has no attitude"):
         expect_in("convert", part, text)
@@ -853,6 +855,13 @@ def a_recording_is_converted(cli):
                              ("output_format", ending)):
             expect(f"{ending}: {name}", report[name], wanted)
         expect(f"{ending}: events", [event["event"] for event in report["events"]], ["time-rate", "demo-on"])
+    with open(cli.path("a.igc"), encoding="utf-8") as file:
+        text = file.read()
+    expect_in("a.igc", "HFALGALTGPS:ELL\nHFALPALTPRESSURE:ISA\n", text)
+    for fix in [line for line in text.splitlines() if line.startswith("B")]:
+        pressure, ellipsoid = int(fix[25:30]), int(fix[30:35])
+        if abs(6356766 * ellipsoid / (6356766 + ellipsoid) - pressure) > 1.001 or not pressure:  # both are rounded
+            raise Fault(f"{fix}: no pressure altitude of the standard atmosphere")
     cli.json("convert", "a.igc", "back.csv")
     flown, back = read_points(cli.path("a.csv")), read_points(cli.path("back.csv"))
     expect("points read again", len(back), 9)

@@ -689,6 +689,76 @@ static void test_a_flight_without_a_date_is_not_given_one(void **state) {
     track_clear(&track);
 }
 
+#define IGC_DIGITS "I023637LAD3839LOD\r\n"
+
+// Both columns, and the rest of each fix, are bytes of the input, of whatever datum.
+static void test_igc_to_igc_keeps_both_altitudes(void **state) {
+    static const struct {
+        const char *headers, *fixes, *kept;
+        TrackIgcAlt asked;
+    } CASES[] = {
+        {"HFALG:GEO\r\n" IGC_DIGITS,
+         "B1200004630000N00800000EA01400015000123\r\nB1200014630010S07000010WA-004201501"
+         "9900\r\n",
+         "HFALGALTGPS:GEO\r\nHFALPALTPRESSURE:ISA\r\n", TRACK_IGC_UNTOLD},
+        {"HFALG:ELL\r\nHFALP:ISA\r\n" IGC_DIGITS,
+         "B1200004630000N00800000EA01400015000123\r\nB1200024630011N00800010EA00000-00014567\r\n",
+         "HFALGALTGPS:ELL\r\nHFALPALTPRESSURE:ISA\r\n", TRACK_IGC_UNTOLD},
+        {IGC_DIGITS, "B1200004630000N00800000EA01400015000123\r\n", "HFALGALTGPS:GEO\r\nHFALPALTPRESSURE:ISA\r\n",
+         TRACK_IGC_GEOID},
+        {"HFALG:GEO\r\n" IGC_DIGITS, "B1200004630000N00800000EA00000015000123\r\n",
+         "HFALGALTGPS:GEO\r\nHFALPALTPRESSURE:NIL\r\n", TRACK_IGC_UNTOLD},
+        {IGC_DIGITS, "B1200004630000N00800000EA01400000000123\r\n", "HFALGALTGPS:NIL\r\nHFALPALTPRESSURE:ISA\r\n",
+         TRACK_IGC_UNTOLD},
+    };
+    for (size_t i = 0; i < COUNT_OF(CASES); i++) {
+        char text[400];
+        size_t bytes;
+        snprintf(text, sizeof text, IGC_HEAD "%s%s", CASES[i].headers, CASES[i].fixes);
+        Track track = good(text, ".igc", (TrackReading){.igc_alt = CASES[i].asked, .geoid = *state});
+        char *written = text_of_track(&track, ".igc", *state, &bytes), *fixes = strstr(written, "\r\nB");
+        assert_non_null(strstr(written, CASES[i].kept));
+        assert_non_null(fixes);
+        assert_memory_equal(fixes + 2, CASES[i].fixes, strlen(CASES[i].fixes));
+        assert_ptr_equal(fixes + 2 + strlen(CASES[i].fixes), written + bytes);
+        free(written);
+        track_clear(&track);
+    }
+}
+
+static void test_pressure_altitudes_are_interpolated_and_those_of_no_use_left_out(void **state) {
+    TrackReading how = {.igc_alt = TRACK_IGC_UNTOLD, .geoid = *state};
+    Track track = good(IGC_HEAD "HFALG:GEO\r\n"
+                                "B1200004630000N00800000EA0140001500\r\nB1200044630010N00800010EA0141001501\r\n",
+                       ".igc", how);
+    assert_int_equal(track_resample(&track, 1.0), RESULT_OK);
+    assert_true(track_has_pressure(&track));
+    NEAR((double)track.points[3].pressure_m, 1407.5, 1e-3);
+    track.points[2].flags &= ~(unsigned)TRACK_PRESSURE;
+    assert_false(track_has_pressure(&track));
+    track_clear(&track);
+    Read read = read_as(IGC_HEAD "HFALG:GEO\r\nHFALPALTPRESSURE:MSL\r\n" IGC_FIXES, ".igc", how);
+    assert_int_equal(read.result, RESULT_OK);
+    assert_false(track_has_pressure(&read.track));
+    assert_non_null(strstr(read.heard.text, ".igc:4: 'HFALPALTPRESSURE:MSL': pressure altitudes that are not of"));
+    track_clear(&read.track);
+}
+
+static void test_igc_extensions_that_make_no_sense_are_warned_of(void **state) {
+    static const char *const LINES[] = {"I99XX", "I", "I0X", "I023637LAD", "I013736LAD", "I013436LAD", "I01363XLAD"};
+    for (size_t i = 0; i < COUNT_OF(LINES); i++) {
+        char text[400], said[64];
+        snprintf(text, sizeof text, IGC_HEAD "%s\r\nB1200004630000N00800000EA0140000000999\r\n", LINES[i]);
+        snprintf(said, sizeof said, ".igc:3: '%s': no list of extensions", LINES[i]);
+        Read read = read_as(text, ".igc", (TrackReading){.igc_alt = TRACK_IGC_UNTOLD, .geoid = *state});
+        assert_int_equal(read.result, RESULT_OK);
+        assert_non_null(strstr(read.heard.text, said));
+        assert_int_equal(read.heard.warnings, 2); // and once of the GNSS column, which has it read twice
+        NEAR(read.track.points[0].at.lat_deg, 46.5, 1e-12);
+        track_clear(&read.track);
+    }
+}
+
 // ---- mutations ----
 
 static uint64_t next_random(uint64_t *seed) {
@@ -806,6 +876,9 @@ int main(void) {
         cmocka_unit_test(test_times_are_read_as_xml_has_them),
         cmocka_unit_test(test_every_format_gives_back_what_every_other_wrote),
         cmocka_unit_test(test_igc_is_written_at_whole_seconds),
+        cmocka_unit_test(test_igc_to_igc_keeps_both_altitudes),
+        cmocka_unit_test(test_pressure_altitudes_are_interpolated_and_those_of_no_use_left_out),
+        cmocka_unit_test(test_igc_extensions_that_make_no_sense_are_warned_of),
         cmocka_unit_test(test_pressure_altitudes_stay_in_their_column_or_are_warned_of),
         cmocka_unit_test(test_a_flight_without_a_date_is_not_given_one),
         cmocka_unit_test(test_damaged_files_are_read_or_refused_with_a_message),

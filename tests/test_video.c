@@ -2,6 +2,7 @@
 // will not.
 #define _POSIX_C_SOURCE 200809L
 #include "app/pipeline/video.h"
+#include "heard.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -79,24 +80,77 @@ static void test_no_ffmpeg_is_said(void **state) {
     assert_int_equal(result, RESULT_NOT_FOUND);
 }
 
+// Films `frames` to `path` with an ffmpeg that is this script; what is said.
+static Result film_by(const char *script, const char *path, int frames, Heard *heard) {
+    char program[128], before[4096], after[5000];
+    snprintf(program, sizeof program, "%s/ffmpeg", folder);
+    FILE *file = fopen(program, "w");
+    assert_non_null(file);
+    fprintf(file, "#!/bin/sh\n%s\n", script);
+    fclose(file);
+    assert_int_equal(chmod(program, 0755), 0);
+    snprintf(before, sizeof before, "%s", getenv("PATH"));
+    snprintf(after, sizeof after, "%s:%s", folder, before);
+    assert_int_equal(setenv("PATH", after, 1), 0);
+    heard_begin(heard);
+    Result result = film(path, 60, frames);
+    heard_end();
+    assert_int_equal(setenv("PATH", before, 1), 0);
+    unlink(program);
+    return result;
+}
+
 // One that reads a little and goes: whoever writes to it must not die of it.
 static void test_an_ffmpeg_that_dies_ends_the_film_and_not_the_program(void **state) {
     (void)state;
-    char path[128], before[4096];
-    snprintf(path, sizeof path, "%s/ffmpeg", folder);
-    FILE *script = fopen(path, "w");
-    assert_non_null(script);
-    fputs("#!/bin/sh\necho 'it does not like the film' >&2\nexit 3\n", script);
-    fclose(script);
-    assert_int_equal(chmod(path, 0755), 0);
-    snprintf(before, sizeof before, "%s", getenv("PATH"));
-    char after[5000];
-    snprintf(after, sizeof after, "%s:%s", folder, before);
-    assert_int_equal(setenv("PATH", after, 1), 0);
-    assert_int_equal(film("film.mp4", 60, 400), RESULT_IO);
-    assert_int_equal(film("film.mp4", 60, 0), RESULT_IO);
-    assert_int_equal(setenv("PATH", before, 1), 0);
-    unlink(path);
+    static const int FRAMES_OF[] = {400, 0};
+    Heard heard;
+    for (size_t i = 0; i < COUNT_OF(FRAMES_OF); i++) {
+        const char *script = "echo 'it does not like the film' >&2\nexit 3";
+        assert_int_equal(film_by(script, "film.mp4", FRAMES_OF[i], &heard), RESULT_IO);
+        assert_non_null(
+            strstr(heard.text, "film.mp4: ffmpeg has failed, no film is written: it does not like the film"));
+    }
+}
+
+static int files_of_films(void) {
+    char command[128];
+    int count = -1;
+    snprintf(command, sizeof command, "find '%s' -name 'killed*' | wc -l", folder);
+    FILE *counted = popen(command, "r");
+    assert_non_null(counted);
+    assert_int_equal(fscanf(counted, "%d", &count), 1);
+    pclose(counted);
+    return count;
+}
+
+// Its file, the last argument, is begun; the program's is there only when it is whole.
+static void test_a_killed_ffmpeg_leaves_no_file_and_its_signal_is_named(void **state) {
+    (void)state;
+    char path[128];
+    Heard heard;
+    snprintf(path, sizeof path, "%s/killed.mp4", folder);
+    const char *begin = "for last; do :; done\nfile=${last#file:}\necho half >\"$file\"\ncat >/dev/null";
+    char killed[256];
+    snprintf(killed, sizeof killed, "%s\nkill -KILL $$", begin);
+    assert_int_equal(film_by(killed, path, 1, &heard), RESULT_IO);
+    assert_non_null(strstr(heard.text, "killed.mp4: ffmpeg was ended by signal 9 (Killed)"));
+    assert_int_equal(files_of_films(), 0);
+    assert_int_equal(film_by(begin, path, 1, &heard), RESULT_OK);
+    assert_int_equal(access(path, R_OK), 0);
+    assert_int_equal(film_by(killed, path, 1, &heard), RESULT_IO); // that one stays
+    assert_int_equal(access(path, R_OK), 0);
+    assert_int_equal(files_of_films(), 1);
+}
+
+static void test_an_odd_size_is_warned_of(void **state) {
+    (void)state;
+    char path[128];
+    Heard heard;
+    snprintf(path, sizeof path, "%s/odd.mp4", folder);
+    assert_int_equal(film_by("for last; do :; done\n: >\"${last#file:}\"\ncat >/dev/null", path, 1, &heard), RESULT_OK);
+    assert_int_equal(heard.warnings, 1);
+    assert_non_null(strstr(heard.text, "of 65x48 the last column or row is left out, 64x48 are kept"));
 }
 
 static void test_endings_that_are_no_film_are_refused(void **state) {
@@ -125,6 +179,8 @@ int main(void) {
         cmocka_unit_test(test_frames_are_at_their_times),
         cmocka_unit_test(test_no_ffmpeg_is_said),
         cmocka_unit_test(test_an_ffmpeg_that_dies_ends_the_film_and_not_the_program),
+        cmocka_unit_test(test_a_killed_ffmpeg_leaves_no_file_and_its_signal_is_named),
+        cmocka_unit_test(test_an_odd_size_is_warned_of),
         cmocka_unit_test(test_endings_that_are_no_film_are_refused),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

@@ -22,9 +22,13 @@ static double clamp(double value, double least, double greatest) {
     return fmin(fmax(value, least), greatest);
 }
 
-Isa isa_at(double h_m) {
+double isa_pressure_altitude(double h_m) {
     double h = clamp(h_m, LOWEST_M, HIGHEST_M);
-    double geopotential = EARTH_RADIUS_M * h / (EARTH_RADIUS_M + h);
+    return EARTH_RADIUS_M * h / (EARTH_RADIUS_M + h);
+}
+
+Isa isa_at(double h_m) {
+    double geopotential = isa_pressure_altitude(h_m);
     size_t i = COUNT_OF(layers) - 1;
     while (i > 0 && geopotential < layers[i].base_m)
         i--;

@@ -15,3 +15,5 @@ typedef struct Isa {
 // table 4, to 86 km; within 0.1 % of its tables. The lowest layer goes on down to -5 km. Beyond, temperature
 // stays and pressure falls off exponentially; heights outside -5 km .. 1000 km count as these.
 Isa isa_at(double h_m);
+// The height at which the tables have the pressure of a geometric height: in geopotential metres, equation 18.
+double isa_pressure_altitude(double h_m);

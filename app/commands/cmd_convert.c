@@ -209,9 +209,18 @@ static Result print_json(const Convert *c) {
     json_add_text(json, "output", c->out);
     json_add_text(json, "output_format", c->to->name);
     json_add_bool(json, "output_attitude", c->to->has_attitude);
+    json_add_bool(json, "output_pressure", c->to->has_pressure && track_has_pressure(track));
     Result result = json_print(json);
     json_destroy(&json);
     return result;
+}
+
+// NULL: nothing is left out that was known, or has a place.
+static const char *pressure_left_out(const Convert *c) {
+    bool known = track_has_pressure(&c->track);
+    if (c->to->has_pressure)
+        return known ? NULL : "none are known";
+    return known && c->track.heights != TRACK_HEIGHTS_PRESSURE ? "the format has no place for them" : NULL;
 }
 
 static const char *points_word(int64_t count) {
@@ -233,6 +242,8 @@ static void print_text(const Convert *c) {
         if (track->skipped[i] > 0)
             printf("left out  %lld %s %s\n", (long long)track->skipped[i], points_word(track->skipped[i]),
                    track_skip_what((TrackSkip)i));
+    if (pressure_left_out(c))
+        printf("left out  pressure altitudes: %s\n", pressure_left_out(c));
     replay_events_print(&c->events, "events    ");
     printf("wrote     %s: %s%s\n", c->out, c->to->what, c->to->has_attitude ? "" : ", which has no attitude");
 }

@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -22,6 +23,7 @@ extern char **environ;
 struct Video {
     VideoOptions options;
     char path[4096];
+    char part[4096 + 32]; // what ffmpeg writes, renamed when it is whole; beside the path, or it
     pid_t process;
     int frames_to, words_from; // pipes: its input, its complaints
 };
@@ -63,10 +65,10 @@ static int spawn_ffmpeg(Video *video, char *const arguments[], int frames_from, 
 }
 
 static int start_ffmpeg(Video *video, int frames_from, int words_to) {
-    char size[32], rate[16], path[sizeof video->path + 8];
+    char size[32], rate[16], path[sizeof video->part + 8];
     snprintf(size, sizeof size, "%dx%d", video->options.width, video->options.height);
     snprintf(rate, sizeof rate, "%d", video->options.fps);
-    snprintf(path, sizeof path, "file:%s", video->path); // a name with a colon is no protocol
+    snprintf(path, sizeof path, "file:%s", video->part); // a name with a colon is no protocol
     char *const arguments[] = {"ffmpeg",
                                "-hide_banner",
                                "-loglevel",
@@ -116,6 +118,26 @@ static void free_video(Video **video) {
     *video = NULL;
 }
 
+// With the same ending, by which ffmpeg knows the container. What is no regular file is written in place.
+static void name_part(Video *video) {
+    struct stat about;
+    const char *dot = strrchr(video->path, '.');
+    int length = dot ? (int)(dot - video->path) : (int)strlen(video->path);
+    if (stat(video->path, &about) == 0 && !S_ISREG(about.st_mode))
+        snprintf(video->part, sizeof video->part, "%s", video->path);
+    else
+        snprintf(video->part, sizeof video->part, "%.*s.part-%ld%s", length, video->path, (long)getpid(),
+                 dot ? dot : "");
+}
+
+static void warn_of_odd_size(const VideoOptions *options) {
+    int width = options->width & ~1, height = options->height & ~1;
+    if (width != options->width || height != options->height)
+        log_warn("%s: a film has even sides: of %dx%d the last column or row is left out, %dx%d are kept; take an even "
+                 "--size to have all of it",
+                 options->path, options->width, options->height, width, height);
+}
+
 Result video_create(const VideoOptions *options, Video **out) {
     Video *video = calloc(1, sizeof *video);
     if (!video) {
@@ -125,7 +147,10 @@ Result video_create(const VideoOptions *options, Video **out) {
     video->options = *options;
     video->frames_to = video->words_from = -1;
     int length = snprintf(video->path, sizeof video->path, "%s", options->path);
+    name_part(video);
     Result result = length < (int)sizeof video->path ? start(video) : RESULT_RANGE;
+    if (result == RESULT_OK)
+        warn_of_odd_size(options);
     if (result == RESULT_OK)
         *out = video;
     else
@@ -177,6 +202,26 @@ static void hear_words(Video *video, char words[WORDS_BYTES]) {
     words[count] = '\0';
 }
 
+// Without its end most of a film cannot be played; one that was there before stays.
+static Result give_up(const Video *video, int status, const char *words) {
+    if (WIFSIGNALED(status))
+        log_error("%s: ffmpeg was ended by signal %d (%s): no film is written; make it again%s%s", video->path,
+                  WTERMSIG(status), strsignal(WTERMSIG(status)), words[0] ? "; it said: " : "", words);
+    else
+        log_error("%s: ffmpeg has failed, no film is written: %s", video->path,
+                  words[0] ? words : "it does not say why");
+    if (strcmp(video->part, video->path) != 0)
+        unlink(video->part);
+    return RESULT_IO;
+}
+
+static Result keep_film(const Video *video) {
+    if (strcmp(video->part, video->path) == 0 || rename(video->part, video->path) == 0)
+        return RESULT_OK;
+    log_error("%s: the film cannot be named so: %s; it is there as %s", video->path, strerror(errno), video->part);
+    return RESULT_IO;
+}
+
 static Result finish(Video *video) {
     char words[WORDS_BYTES];
     int status = 0;
@@ -184,10 +229,7 @@ static Result finish(Video *video) {
     hear_words(video, words);
     while (waitpid(video->process, &status, 0) < 0 && errno == EINTR) {
     }
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 0)
-        return RESULT_OK;
-    log_error("%s: ffmpeg has failed: %s", video->path, words[0] ? words : "it was killed");
-    return RESULT_IO;
+    return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? keep_film(video) : give_up(video, status, words);
 }
 
 Result video_end(Video **video) {

@@ -1,6 +1,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "app/replay/playback.h"
 
+#include "app/aircraft/isa.h"
 #include "app/flight/flight_recorder.h"
 #include "app/recording/recording_player.h"
 #include "app/track/track_time.h"
@@ -360,7 +361,8 @@ static TrackPoint point_of(const Playback *playback, const PlaybackMoment *momen
                         .at = {lat_deg, lon_deg, now.h_m - geoid_undulation_m(playback->geoid, lat_deg, lon_deg),
                                now.heading_rad / GEODESY_RAD_PER_DEG, now.pitch_rad / GEODESY_RAD_PER_DEG},
                         .bank_deg = now.bank_rad / GEODESY_RAD_PER_DEG,
-                        .flags = after_gap ? TRACK_GAP : 0};
+                        .flags = TRACK_PRESSURE | (after_gap ? TRACK_GAP : 0U),
+                        .pressure_m = (float)isa_pressure_altitude(now.h_m)};
 }
 
 // Whether something is lost, or set anew, after the segment `from` up to the segment `to`.

@@ -90,6 +90,13 @@ bool track_is_derived(const Track *track) {
     return false;
 }
 
+bool track_has_pressure(const Track *track) {
+    bool all = true;
+    for (int i = 0; i < track->count && all; i++)
+        all = (track->points[i].flags & TRACK_PRESSURE) != 0;
+    return all || track->heights == TRACK_HEIGHTS_PRESSURE;
+}
+
 // ---- between points ----
 
 // Heights are above the geoid here as everywhere in a track: as good a third coordinate as any to interpolate.
@@ -198,8 +205,11 @@ static int point_before(const Track *track, double t_s) {
 }
 
 static TrackState state_of(const TrackPoint *point) {
-    return as_told(
-        (TrackState){.at = point->at, .bank_deg = point->bank_deg, .derived = (point->flags & TRACK_DERIVED) != 0});
+    return as_told((TrackState){.at = point->at,
+                                .bank_deg = point->bank_deg,
+                                .derived = (point->flags & TRACK_DERIVED) != 0,
+                                .has_pressure = (point->flags & TRACK_PRESSURE) != 0,
+                                .pressure_m = (double)point->pressure_m});
 }
 
 static Geodetic place_between(const Track *track, int i, double share, Viewpoint *at) {
@@ -212,7 +222,10 @@ static Geodetic place_between(const Track *track, int i, double share, Viewpoint
 
 static TrackState state_between(const Track *track, int i, double share) {
     const TrackPoint *from = &track->points[i], *to = from + 1;
-    TrackState state = {.derived = ((from->flags | to->flags) & TRACK_DERIVED) != 0};
+    double from_m = (double)from->pressure_m, to_m = (double)to->pressure_m;
+    TrackState state = {.derived = ((from->flags | to->flags) & TRACK_DERIVED) != 0,
+                        .has_pressure = (from->flags & to->flags & TRACK_PRESSURE) != 0,
+                        .pressure_m = from_m + share * (to_m - from_m)};
     Geodetic place = place_between(track, i, share, &state.at);
     Vec3d forward;
     if (from->bank_deg == 0.0 && to->bank_deg == 0.0) {

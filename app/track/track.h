@@ -29,15 +29,17 @@ const char *track_kind_what(TrackKind kind);
 bool track_kind_find(const char *name, TrackKind *out);
 
 enum TrackPointFlag {
-    TRACK_GAP = 1,    // nothing is known of the time since the point before: nothing may be interpolated across
-    TRACK_DERIVED = 2 // heading, pitch and bank were worked out from the path
+    TRACK_GAP = 1,     // nothing is known of the time since the point before: nothing may be interpolated across
+    TRACK_DERIVED = 2, // heading, pitch and bank were worked out from the path
+    TRACK_PRESSURE = 4 // its pressure altitude is known
 };
 
 typedef struct TrackPoint {
     double t_s; // grows from point to point
     Viewpoint at;
-    double bank_deg; // right wing down, -180..180
-    unsigned flags;  // of TrackPointFlag
+    double bank_deg;  // right wing down, -180..180
+    unsigned flags;   // of TrackPointFlag
+    float pressure_m; // in the standard atmosphere; with TRACK_PRESSURE
 } TrackPoint;
 
 // X(identifier, name in JSON, what altitudes are measured from)
@@ -99,7 +101,8 @@ void track_clear(Track *track);
 
 double track_duration_s(const Track *track);
 int track_gap_count(const Track *track);
-bool track_is_derived(const Track *track); // the attitude of any point
+bool track_is_derived(const Track *track);   // the attitude of any point
+bool track_has_pressure(const Track *track); // pressure altitudes of all points, beside the others or in their place
 
 typedef struct TrackState {
     Viewpoint at;
@@ -107,6 +110,8 @@ typedef struct TrackState {
     bool in_gap;     // nothing is known of this time: the last point before it is held
     bool derived;    // the attitude was worked out from the path
     double held_s;   // in a gap since that point, 0 else
+    bool has_pressure;
+    double pressure_m; // in the standard atmosphere, between two points on a straight line; with has_pressure
 } TrackState;
 
 // `t_s` from the first point. Positions are interpolated C1 (cubic Hermite with the slopes of the neighbours), attitude

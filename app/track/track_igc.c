@@ -12,7 +12,6 @@
 #define B_BYTES 35                 // of a B record without extensions
 #define NOON_S (0.5 * TRACK_DAY_S) // a time of day that goes back by more has passed midnight
 #define DEGREE_UNITS 6000000       // of 1e-5 minutes, as we write them
-#define EXTENSIONS_MAX 99
 
 // Where an extension of the B record stands, bytes from 0; none: count 0.
 typedef struct Extension {
@@ -21,16 +20,20 @@ typedef struct Extension {
 
 typedef enum Told { TOLD_NOTHING, TOLD_ELLIPSOID, TOLD_GEOID, TOLD_NONE } Told; // by HFALG
 
+typedef enum ToldPressure { PRESSURE_ISA, PRESSURE_OTHER, PRESSURE_NONE } ToldPressure; // by HFALP
+
 typedef struct Reader {
     TrackBuild build;
     TrackLines lines;
     bool from_pressure;
+    bool again;   // a second reading: what is wrong has been said
     double day_s; // Unix time of the day's beginning; 0 while there was no date
     bool has_date;
     double clock_s;          // the time of day of the last fix; negative: none yet
     Extension lad, lod, tds; // further digits of latitude, longitude minutes; of seconds
     Told told;
-    bool has_gnss; // any fix with a GNSS altitude
+    ToldPressure told_pressure;
+    bool has_gnss, has_pressure; // any fix with such an altitude
 } Reader;
 
 bool track_igc_recognise(const char *head) {
@@ -70,8 +73,9 @@ static void read_date(Reader *r) {
                                   &day_s);
     }
     if (!valid) {
-        log_warn("%s:%lld: '%.40s': no date; expected HFDTE and DDMMYY", r->lines.path, (long long)r->lines.number,
-                 r->lines.text);
+        if (!r->again)
+            log_warn("%s:%lld: '%.40s': no date; expected HFDTE and DDMMYY", r->lines.path, (long long)r->lines.number,
+                     r->lines.text);
         return;
     }
     r->day_s = day_s;
@@ -89,6 +93,20 @@ static void read_gnss_datum(Reader *r) {
                                               : TOLD_NOTHING;
 }
 
+// HFALPALTPRESSURE:ISA; MSL: the recorder counts from the sea by the day's own pressure
+static void read_pressure_datum(Reader *r) {
+    const char *colon = strrchr(r->lines.text, ':'), *value = colon ? colon + 1 : r->lines.text + 5;
+    value += strspn(value, " ");
+    r->told_pressure = strncmp(value, "MSL", 3) == 0   ? PRESSURE_OTHER
+                       : strncmp(value, "NIL", 3) == 0 ? PRESSURE_NONE
+                                                       : PRESSURE_ISA;
+    if (r->told_pressure == PRESSURE_OTHER && !r->again)
+        log_warn(
+            "%s:%lld: '%.40s': pressure altitudes that are not of the standard atmosphere; they are left out where "
+            "there are others",
+            r->lines.path, (long long)r->lines.number, r->lines.text);
+}
+
 // The second letter says who told it: the recorder, the observer or the pilot.
 static void read_header(Reader *r) {
     if (strlen(r->lines.text) < 5)
@@ -97,27 +115,40 @@ static void read_header(Reader *r) {
         read_date(r);
     else if (strncmp(r->lines.text + 2, "ALG", 3) == 0)
         read_gnss_datum(r);
+    else if (strncmp(r->lines.text + 2, "ALP", 3) == 0)
+        read_pressure_datum(r);
 }
 
-// I NN then NN times SSFFCCC: bytes SS to FF, counted from 1, hold CCC.
+// SSFFCCC: bytes SS to FF, counted from 1, hold CCC. False: nothing that a B record can have.
+static bool read_extension(Reader *r, const char *one) {
+    if (strlen(one) < 7 || !is_digits(one, 4))
+        return false;
+    int first = number_of(one, 2), last = number_of(one + 2, 2);
+    Extension *into = strncmp(one + 4, "LAD", 3) == 0   ? &r->lad
+                      : strncmp(one + 4, "LOD", 3) == 0 ? &r->lod
+                      : strncmp(one + 4, "TDS", 3) == 0 ? &r->tds
+                                                        : NULL;
+    if (into)
+        *into = (Extension){first - 1, last - first + 1};
+    return first > B_BYTES && last >= first;
+}
+
+// I NN then NN times SSFFCCC. Where any makes no sense, none is trusted.
 static void read_extensions(Reader *r) {
     const char *text = r->lines.text;
-    if (!is_digits(text + 1, 2))
+    bool valid = strlen(text) >= 3 && is_digits(text + 1, 2);
+    r->lad = r->lod = r->tds = (Extension){0, 0};
+    int count = valid ? number_of(text + 1, 2) : 0;
+    for (int i = 0; i < count && valid; i++)
+        valid = strlen(text) >= (size_t)(10 + 7 * i) && read_extension(r, text + 3 + 7 * i);
+    if (valid)
         return;
     r->lad = r->lod = r->tds = (Extension){0, 0};
-    int count = number_of(text + 1, 2);
-    for (int i = 0; i < count && i < EXTENSIONS_MAX; i++) {
-        const char *one = text + 3 + 7 * i;
-        if (strlen(text) < (size_t)(10 + 7 * i) || !is_digits(one, 4))
-            return;
-        int first = number_of(one, 2), last = number_of(one + 2, 2);
-        Extension *into = strncmp(one + 4, "LAD", 3) == 0   ? &r->lad
-                          : strncmp(one + 4, "LOD", 3) == 0 ? &r->lod
-                          : strncmp(one + 4, "TDS", 3) == 0 ? &r->tds
-                                                            : NULL;
-        if (into && first > B_BYTES && last >= first)
-            *into = (Extension){first - 1, last - first + 1};
-    }
+    if (!r->again)
+        log_warn(
+            "%s:%lld: '%.40s': no list of extensions; expected I, their number in two digits, and as often SSFFCCC; "
+            "positions have no further digits",
+            r->lines.path, (long long)r->lines.number, r->lines.text);
 }
 
 // ---- fixes ----
@@ -170,12 +201,14 @@ static bool read_fix(Reader *r, TrackPoint *point, double *clock_s) {
         !read_altitude(text + 25, &pressure_m) || !read_altitude(text + 30, &gnss_m))
         return false;
     r->has_gnss |= gnss_m != 0.0;
+    r->has_pressure |= pressure_m != 0.0;
+    point->pressure_m = (float)pressure_m;
     point->at.alt_m = r->from_pressure ? pressure_m : gnss_m;
     return true;
 }
 
 static Result add_fix(Reader *r) {
-    TrackPoint point = {.flags = TRACK_DERIVED};
+    TrackPoint point = {.flags = TRACK_DERIVED | TRACK_PRESSURE};
     double clock_s;
     if (!read_fix(r, &point, &clock_s)) {
         track_build_skip(&r->build, TRACK_SKIP_MALFORMED, r->lines.number);
@@ -211,8 +244,9 @@ static Result read_all(Reader *r, const char *path, Track *out, bool from_pressu
     r->from_pressure = from_pressure;
     r->day_s = 0.0;
     r->clock_s = -1.0;
-    r->has_date = r->has_gnss = false;
+    r->has_date = r->has_gnss = r->has_pressure = false;
     r->told = TOLD_NOTHING;
+    r->told_pressure = PRESSURE_ISA;
     r->lad = r->lod = r->tds = (Extension){0, 0};
     return read_lines(r);
 }
@@ -239,6 +273,14 @@ static bool is_above_ellipsoid(TrackHeights heights) {
            heights == TRACK_HEIGHTS_ELLIPSOID_ASSUMED;
 }
 
+// A column of zeros is none.
+static void settle_pressure(const Reader *r) {
+    if (r->has_pressure && r->told_pressure == PRESSURE_ISA)
+        return;
+    for (int i = 0; i < r->build.track->count; i++)
+        r->build.track->points[i].flags &= ~(unsigned)TRACK_PRESSURE;
+}
+
 static Result settle_heights(Reader *r, const TrackReading *how) {
     Track *track = r->build.track;
     track->heights = r->from_pressure ? TRACK_HEIGHTS_PRESSURE : gnss_heights(r, how->igc_alt);
@@ -259,6 +301,7 @@ static Result finish(Reader *r, const TrackReading *how) {
     Result result = settle_heights(r, how);
     if (result != RESULT_OK)
         return result;
+    settle_pressure(r);
     r->build.track->format = "igc";
     if (!r->has_date)
         log_warn("%s: no HFDTE record: the day of the flight is unknown", r->lines.path);
@@ -272,6 +315,7 @@ static Result read_with(Reader *r, const char *path, const TrackReading *how, Tr
     if (result == RESULT_OK && !r->from_pressure && no_gnss && out->count > 0) {
         log_warn("%s: without GNSS altitudes; pressure altitudes are taken, which are not above the geoid", path);
         track_clear(out);
+        r->again = true;
         result = track_lines_rewind(&r->lines);
         if (result == RESULT_OK)
             result = read_all(r, path, out, true);
@@ -282,6 +326,7 @@ static Result read_with(Reader *r, const char *path, const TrackReading *how, Tr
 Result track_igc_read(const char *path, const TrackReading *how, Track *out) {
     Reader reader;
     *out = (Track){0};
+    reader.again = false;
     Result result = track_lines_open(path, &reader.lines);
     if (result != RESULT_OK)
         return result;
@@ -294,11 +339,19 @@ Result track_igc_read(const char *path, const TrackReading *how, Track *out) {
 
 // ---- writing ----
 
-// Which column the altitudes go to, and what they are there.
+// Which columns have altitudes, and what they are there.
 typedef struct Altitudes {
     const Geoid *geoid; // NULL: the GNSS column has them above the geoid
-    bool pressure;
+    bool gnss, pressure;
 } Altitudes;
+
+// What came from such a file above the geoid goes back as it was, to the metre.
+static Altitudes altitudes_of(const Track *track, const Geoid *geoid) {
+    bool as_it_was = track->format && strcmp(track->format, "igc") == 0 && !is_above_ellipsoid(track->heights);
+    return (Altitudes){.geoid = as_it_was ? NULL : geoid,
+                       .gnss = track->heights != TRACK_HEIGHTS_PRESSURE,
+                       .pressure = track_has_pressure(track)};
+}
 
 static void write_header(const Track *track, const Altitudes *altitudes, FILE *to) {
     TrackDate date = track_time_date(track->start_unix_s);
@@ -306,9 +359,9 @@ static void write_header(const Track *track, const Altitudes *altitudes, FILE *t
             "AXXXOVFOverfly\r\nHFDTEDATE:%02d%02d%02d,01\r\nHFDTMGPSDATUM:WGS84\r\nHFALGALTGPS:%s\r\n"
             "HFALPALTPRESSURE:%s\r\nI023637LAD3839LOD\r\n",
             date.day % 100, date.month % 100, date.year % 100,
-            altitudes->pressure ? "NIL"
-            : altitudes->geoid  ? "ELL"
-                                : "GEO",
+            !altitudes->gnss   ? "NIL"
+            : altitudes->geoid ? "ELL"
+                               : "GEO",
             altitudes->pressure ? "ISA" : "NIL");
 }
 
@@ -316,16 +369,27 @@ static int whole_altitude(double alt_m) {
     return (int)lround(fmin(fmax(alt_m, -9999.0), 99999.0));
 }
 
+static int pressure_altitude(const TrackState *state, const Altitudes *altitudes) {
+    if (!altitudes->gnss)
+        return whole_altitude(state->at.alt_m);
+    return altitudes->pressure ? whole_altitude(state->pressure_m) : 0;
+}
+
+static int gnss_altitude(const Viewpoint *at, const Altitudes *altitudes) {
+    double n = altitudes->geoid ? geoid_undulation_m(altitudes->geoid, at->lat_deg, at->lon_deg) : 0.0;
+    return altitudes->gnss ? whole_altitude(at->alt_m + n) : 0;
+}
+
 // Minutes are cut after three digits, and go on in LAD and LOD.
-static void write_fix(double utc_s, const Viewpoint *at, const Altitudes *altitudes, FILE *to) {
+static void write_fix(double utc_s, const TrackState *state, const Altitudes *altitudes, FILE *to) {
+    const Viewpoint *at = &state->at;
     TrackDate date = track_time_date(utc_s);
     double lon_deg = track_longitude(at->lon_deg);
-    double n = altitudes->geoid ? geoid_undulation_m(altitudes->geoid, at->lat_deg, at->lon_deg) : 0.0;
     int lat = (int)lround(fabs(at->lat_deg) * DEGREE_UNITS), lon = (int)lround(fabs(lon_deg) * DEGREE_UNITS);
     fprintf(to, "B%02d%02d%02.0f%02d%05d%c%03d%05d%cA%05d%05d%02d%02d\r\n", date.hour, date.minute, date.second,
             lat / DEGREE_UNITS, lat % DEGREE_UNITS / 100, at->lat_deg < 0.0 ? 'S' : 'N', lon / DEGREE_UNITS,
-            lon % DEGREE_UNITS / 100, lon_deg < 0.0 ? 'W' : 'E', altitudes->pressure ? whole_altitude(at->alt_m) : 0,
-            altitudes->pressure ? 0 : whole_altitude(at->alt_m + n), lat % 100, lon % 100);
+            lon % DEGREE_UNITS / 100, lon_deg < 0.0 ? 'W' : 'E', pressure_altitude(state, altitudes),
+            gnss_altitude(at, altitudes), lat % 100, lon % 100);
 }
 
 // The last point before the next gap.
@@ -337,7 +401,7 @@ static int segment_end(const Track *track, int i) {
 
 // A fix has whole seconds: the flight is told at the whole second nearest to each point, where it has that second.
 void track_igc_write(const Track *track, const Geoid *geoid, FILE *to) {
-    Altitudes altitudes = {geoid, track->heights == TRACK_HEIGHTS_PRESSURE};
+    Altitudes altitudes = altitudes_of(track, geoid);
     double written_s = -INFINITY;
     int first = 0, last = -1;
     write_header(track, &altitudes, to);
@@ -350,9 +414,11 @@ void track_igc_write(const Track *track, const Geoid *geoid, FILE *to) {
         bool outside = (whole_s < begin - 5e-4 || whole_s > end + 5e-4) && last > first;
         if (outside || whole_s <= written_s)
             continue;
+        const TrackPoint *point = &track->points[i];
         bool exact = last == first || fabs(whole_s - track_utc(track, i)) < 5e-4;
-        Viewpoint at = exact ? track->points[i].at : track_at(track, whole_s - track->start_unix_s);
-        write_fix(whole_s, &at, &altitudes, to);
+        TrackState state = exact ? (TrackState){.at = point->at, .pressure_m = (double)point->pressure_m}
+                                 : track_state_at(track, whole_s - track->start_unix_s);
+        write_fix(whole_s, &state, &altitudes, to);
         written_s = whole_s;
     }
 }

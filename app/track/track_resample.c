@@ -30,8 +30,11 @@ static double count_points(const Track *track, double interval_s) {
 
 static TrackPoint point_at(const Track *track, double t_s) {
     TrackState state = track_state_at(track, t_s - track->points[0].t_s);
-    return (TrackPoint){
-        .t_s = t_s, .at = state.at, .bank_deg = state.bank_deg, .flags = state.derived ? TRACK_DERIVED : 0U};
+    return (TrackPoint){.t_s = t_s,
+                        .at = state.at,
+                        .bank_deg = state.bank_deg,
+                        .flags = (state.derived ? TRACK_DERIVED : 0U) | (state.has_pressure ? TRACK_PRESSURE : 0U),
+                        .pressure_m = (float)state.pressure_m};
 }
 
 static int fill_stretch(const Track *track, int first, int last, double interval_s, TrackPoint *out) {

@@ -1,6 +1,6 @@
 // Fuzz target of the aircraft reader and the flight model, for libFuzzer: the bytes become a file, which must be
 // refused or fly for a second without leaving the numbers.
-//   CC=clang cmake -DOVERFLY_FUZZ=ON ... && fuzz_aircraft CORPUS_FOLDER, begun with assets/data/aircraft
+//   cmake --build --preset fuzz && build/fuzz/tests/fuzz_aircraft CORPUS_FOLDER, begun with assets/data/aircraft
 // The reader takes paths, so the bytes go to one file of the process's own, in shared memory.
 #define _GNU_SOURCE
 #include <math.h>

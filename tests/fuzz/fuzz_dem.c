@@ -1,5 +1,5 @@
 // Fuzz target of the elevation readers, for libFuzzer: the bytes become a file, which must be read or refused.
-//   CC=clang cmake -DOVERFLY_FUZZ=ON ... && fuzz_dem CORPUS_FOLDER
+//   cmake --build --preset fuzz && build/fuzz/tests/fuzz_dem CORPUS_FOLDER
 // The readers take paths, so the bytes go to one file of the process's own, in shared memory where there is any.
 #define _GNU_SOURCE
 #include <stdint.h>

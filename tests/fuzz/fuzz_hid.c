@@ -1,5 +1,5 @@
 // Fuzz target of the HID report descriptor parser and the decoding of reports, for libFuzzer.
-//   CC=clang cmake -DOVERFLY_FUZZ=ON ... && fuzz_hid CORPUS_FOLDER
+//   cmake --build --preset fuzz && build/fuzz/tests/fuzz_hid CORPUS_FOLDER
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 // Fuzz target of the readers of joystick profiles and calibrations, for libFuzzer: the bytes become a file, which must
 // be read or refused.
-//   CC=clang cmake -DOVERFLY_FUZZ=ON ... && fuzz_profile CORPUS_FOLDER
+//   cmake --build --preset fuzz && build/fuzz/tests/fuzz_profile CORPUS_FOLDER
 #define _GNU_SOURCE
 #include <stdint.h>
 #include <stdio.h>

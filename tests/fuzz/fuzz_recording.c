@@ -1,5 +1,5 @@
 // Fuzz target of the reader of recorded flights and their replay, for libFuzzer.
-//   CC=clang cmake -DOVERFLY_FUZZ=ON ... && fuzz_recording CORPUS_FOLDER
+//   cmake --build --preset fuzz && build/fuzz/tests/fuzz_recording CORPUS_FOLDER
 // The first byte chooses: the bytes are a file whose outer checksums are made right, or the contents of its chunks.
 #define _GNU_SOURCE
 #include <stdint.h>

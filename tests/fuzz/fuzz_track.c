@@ -1,6 +1,6 @@
 // Fuzz target of the readers of tracks, for libFuzzer: the first byte chooses the format, the others are the file,
 // which must be read or refused.
-//   CC=clang cmake -DOVERFLY_FUZZ=ON ... && fuzz_track CORPUS_FOLDER
+//   cmake --build --preset fuzz && build/fuzz/tests/fuzz_track CORPUS_FOLDER
 // The readers take paths, so the bytes go to one file of the process's own, in memory.
 #define _GNU_SOURCE
 #include <math.h>
