@@ -6,6 +6,7 @@ import csv
 import json
 import math
 import os
+import re
 import shlex
 import shutil
 import sys
@@ -111,6 +112,19 @@ def summaries_are_those_of_the_frames(cli):
         expect_true(f"{what}: p50", min(float(f["frame_ms_min"]) for f in timed) <= float(row["frame_ms_p50"])
                     <= max(float(f["frame_ms_max"]) for f in timed))
         expect(f"{what}: popping is told but at jumps", {f["jump"] for f in own if f["popping_px"]}, {"0"})
+
+
+def the_distribution_of_times_keeps_its_tail(cli):
+    folder, report = cli.report("first")
+    with open(os.path.join(folder, "plots.gp"), encoding="utf-8") as file:
+        parts = file.read().split("$times << EOD\n")[1].split("EOD")[0].split("\n\n\n")
+    shown = [run for run in report["runs"] if run["tau_px"] == 2]
+    for run, part in zip(shown, parts, strict=False):
+        points = [[float(number) for number in line.split()] for line in part.split("\n")]
+        expect(f"{run['variant']}: a start, and five rounds of the frames that are timed", len(points), 1 + 5 * 2 * 4)
+        expect(f"{run['variant']}: from 0 to 1", [points[0][1], points[-1][1]], [0, 1])
+        longest = run["frame_ms"]["max"]
+        expect_true(f"{run['variant']}: {points[-1][0]} is {longest}", abs(points[-1][0] / longest - 1) < 1e-6)
 
 
 def the_command_of_the_worst_frame_measures_it_again(cli):
@@ -224,8 +238,12 @@ def several_dems_stand_side_by_side(cli):
     expect(f"exit status, having said {err!r}", code, 0)
     expect("dems", [run["dem"] for run in json.loads(out)["runs"]],
            ["jacksboro_fault.tif"] * 2 + ["jacksboro"] * 2)
-    expect_true("plots of both", {"pareto-jacksboro_fault.svg", "pareto-jacksboro.svg"}
-                <= set(os.listdir(os.path.join(cli.folder, "two"))))
+    plots = [name for name in os.listdir(os.path.join(cli.folder, "two")) if name.endswith(".svg")]
+    expect_true("plots of both", {"pareto-jacksboro_fault.svg", "pareto-jacksboro.svg"} <= set(plots))
+    for name in plots:
+        with open(os.path.join(cli.folder, "two", name), encoding="utf-8") as file:
+            beside = re.findall(r'text-anchor="start">\s*<text>([\d.]+)<', file.read())
+        expect(f"{name}: numbers that stand beside their ticks", beside, [])
 
 
 def mistakes_are_named(cli):
@@ -381,6 +399,7 @@ def check_themes(browser):
 
 CASES = [all_files_are_there, json_keeps_its_contract, promises_are_those_of_the_methods,
          errors_of_two_runs_are_the_same_bytes, summaries_are_those_of_the_frames,
+         the_distribution_of_times_keeps_its_tail,
          the_command_of_the_worst_frame_measures_it_again, the_command_tells_what_else_was_given,
          where_nothing_is_promised_nothing_is_said_to_hold, names_that_are_alike_are_told_apart, names_are_no_commands,
          mistakes_are_found_before_the_work, other_kinds_of_errors_cost_and_give_what_they_should,

@@ -136,8 +136,10 @@ Result accuracy_run(const AccuracyPlan *plan, Accuracy *out) {
 }
 
 void accuracy_clear(Accuracy *accuracy) {
-    for (int i = 0; accuracy->runs && i < accuracy->run_count; i++)
+    for (int i = 0; accuracy->runs && i < accuracy->run_count; i++) {
         free(accuracy->runs[i].frames);
+        free(accuracy->runs[i].frame_ms);
+    }
     free(accuracy->runs);
     for (int i = 0; i < ACCURACY_DEMS_MAX; i++) {
         accuracy_unload(&accuracy->dems[i]);

@@ -119,6 +119,8 @@ typedef struct AccuracyRun {
     int dem, variant;
     double tau_px;
     AccuracyFrame *frames; // [pose_count of the DEM]
+    double *frame_ms;      // of all frames in all rounds but of jumps, ascending
+    int frame_ms_count;
     AccuracySummary summary;
 } AccuracyRun;
 
