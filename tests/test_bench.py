@@ -137,14 +137,18 @@ def the_command_of_the_worst_frame_measures_it_again(cli):
 
 
 def the_command_tells_what_else_was_given(cli):
-    folder = os.path.join(cli.folder, "given")
-    code, out, err = cli.run("bench", *SMALL, "--methods", "geomipmap:centre,roam", "--tile-side", "9", "-o", folder,
+    """And all of a path that is longer than a buffer would be."""
+    folder, place = (os.path.join(cli.folder, *names) for names in (["given"], [*3 * [130 * "d"], "it's deep.tif"]))
+    os.makedirs(os.path.dirname(place))
+    shutil.copy(DEM, place)
+    code, out, err = cli.run("bench", place, *SMALL, "--methods", "geomipmap:centre,roam", "--tile-side", "9", "-o", folder,
                              "--json", OVERFLY_MAX_TRIANGLES="3000", OVERFLY_VOIDS="hole")
     expect(f"exit status, having said {err!r}", code, 0)
     for run in json.loads(out)["runs"]:
         words = shlex.split(run["worst_frame"]["command"])
         for part in ("--tile-side=9", "--max-triangles=3000", "--voids=hole"):
             expect_true(f"{part} in {words}", part in words)
+        expect("place", words[2], place)
         again = json.loads(cli.run(*words[1:], "--json")[1])
         expect(f"{run['variant']}: error", again["measured"]["max_px"], run["worst_frame"]["max_px"])
 

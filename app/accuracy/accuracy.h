@@ -126,8 +126,7 @@ typedef struct AccuracyRun {
 
 // One elevation model: the worlds of all kinds of errors, its flights and their poses.
 typedef struct AccuracyDem {
-    char name[128];  // of the scene or the file, without folder
-    char place[256]; // as a command line takes it; "": the default scene
+    char name[256]; // of the scene or the file, without folder
     char datum[16];
     int width, height;
     double spacing_m[2];
@@ -182,7 +181,7 @@ typedef struct Accuracy {
     bool software;
     char system[128]; // its name, release and machine
     double memory_gb;
-    char given[1024]; // the options that were given, as on a command line
+    char *given; // the options that were given, as on a command line
     int threads;
     double wall_s, load; // the load average of the minute before
     int64_t unix_s;      // when it began
@@ -207,8 +206,9 @@ int accuracy_jump_free(const Accuracy *accuracy, int dem); // frames whose times
 // Whether what was promised was kept and the surfaces were whole: of one run, of all.
 bool accuracy_run_holds(const AccuracyRun *run);
 bool accuracy_holds(const Accuracy *accuracy);
-// The command line that measures a frame again, for a shell: "overfly mesh ...".
-void accuracy_command(const Accuracy *accuracy, const AccuracyRun *run, int frame, char *out, size_t size);
+// The command line that measures a frame again, for a shell: "overfly mesh ...". The caller frees it; NULL without
+// memory.
+char *accuracy_command(const Accuracy *accuracy, const AccuracyRun *run, int frame);
 
 // What a method costs at a measured error that its line reaches: between the two tolerances around it, on straight
 // lines of logarithms; NaN beyond the line's ends.

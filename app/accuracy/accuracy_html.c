@@ -65,7 +65,6 @@ static Result put_picture(const Page *page, const char *file, const char *alt, c
 static void put_worst_frame(const Page *page) {
     const Accuracy *accuracy = page->accuracy;
     const AccuracyWorst *worst = &accuracy->worst;
-    char command[ACCURACY_TEXT_BYTES];
     if (worst->run < 0)
         return;
     const AccuracyRun *run = &accuracy->runs[worst->run];
@@ -82,9 +81,10 @@ static void put_worst_frame(const Page *page) {
         frame->measure.worst_row,
         worst->repeated ? "a refinement from scratch gave the same error"
                         : "a refinement from scratch gave another error");
-    accuracy_command(accuracy, run, worst->frame, command, sizeof command);
+    char *command = accuracy_command(accuracy, run, worst->frame);
     fputs("</p><pre><code id=\"again\">", page->to);
-    html_text(command, page->to);
+    html_text(command ? command : "(no memory)", page->to);
+    free(command);
     fputs("</code></pre>\n", page->to);
 }
 
@@ -413,6 +413,14 @@ static void put_workers(const Page *page) {
     html_end_table(page->to);
 }
 
+static void put_fact_text(const Page *page, const char *name, const char *text) {
+    fputs("<tr><th scope=\"row\" class=\"text\">", page->to);
+    html_text(name, page->to);
+    fputs("</th><td>", page->to);
+    html_text(text, page->to);
+    fputs("</td></tr>\n", page->to);
+}
+
 static void put_fact(const Page *page, const char *name, const char *format, ...) PRINTF_LIKE(3, 4);
 static void put_fact(const Page *page, const char *name, const char *format, ...) {
     char text[512];
@@ -420,11 +428,7 @@ static void put_fact(const Page *page, const char *name, const char *format, ...
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    fputs("<tr><th scope=\"row\" class=\"text\">", page->to);
-    html_text(name, page->to);
-    fputs("</th><td>", page->to);
-    html_text(text, page->to);
-    fputs("</td></tr>\n", page->to);
+    put_fact_text(page, name, text);
 }
 
 static void put_sources(const Page *page) {
@@ -456,7 +460,7 @@ static void put_provenance(const Page *page) {
     put_fact(page, "GPU and driver", "%s%s", *accuracy->renderer ? accuracy->renderer : "nothing was drawn",
              accuracy->software ? " (a software renderer)" : "");
     put_fact(page, "system", "%s, %.1f GB of memory", accuracy->system, accuracy->memory_gb);
-    put_fact(page, "options given", "%s", *accuracy->given ? accuracy->given : "none");
+    put_fact_text(page, "options given", *accuracy->given ? accuracy->given : "none");
     put_fact(page, "begun", "%s, %.0f s long, load average before %.2f", when, accuracy->wall_s, accuracy->load);
     put_fact(page, "picture", "%d x %d pixels, %g degrees from bottom to top, %g pixels a radian %s", plan->width,
              plan->height, options_number(plan->options, OPTION_FOV), accuracy_px_per_rad(plan),

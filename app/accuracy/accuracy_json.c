@@ -5,6 +5,7 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <stdlib.h>
 
 static void add_hash(Json *parent, const char *name, uint64_t hash) {
     char text[24];
@@ -48,13 +49,13 @@ static void add_times(Json *json, const AccuracySummary *s) {
 static void add_worst_frame(Json *json, const Accuracy *accuracy, const AccuracyRun *run) {
     const AccuracyDem *dem = &accuracy->dems[run->dem];
     const AccuracyPose *pose = &dem->poses[run->summary.worst_frame];
-    char command[ACCURACY_TEXT_BYTES];
-    accuracy_command(accuracy, run, run->summary.worst_frame, command, sizeof command);
+    char *command = accuracy_command(accuracy, run, run->summary.worst_frame);
     Json *worst = json_add_object(json, "worst_frame");
     json_add_text(worst, "flight", dem->tracks[pose->flight].name);
     json_add_integer(worst, "frame", pose->number);
     json_add_number(worst, "max_px", run->frames[run->summary.worst_frame].measure.max_px);
     json_add_text(worst, "command", command);
+    free(command);
 }
 
 static void add_run(Json *runs, const Accuracy *accuracy, const AccuracyRun *run) {

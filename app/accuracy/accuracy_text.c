@@ -2,6 +2,7 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <stdlib.h>
 
 static int64_t cracks_of(const AccuracySummary *s) {
     return s->t_junctions + s->holes + s->overlaps;
@@ -121,6 +122,7 @@ void accuracy_write_text(const Accuracy *accuracy, FILE *to) {
     fprintf(to, "%s\n", text);
     if (accuracy->worst.run < 0)
         return;
-    accuracy_command(accuracy, &accuracy->runs[accuracy->worst.run], accuracy->worst.frame, text, sizeof text);
-    fprintf(to, "The worst frame again: %s\n", text);
+    char *command = accuracy_command(accuracy, &accuracy->runs[accuracy->worst.run], accuracy->worst.frame);
+    fprintf(to, "The worst frame again: %s\n", command ? command : "(no memory)");
+    free(command);
 }
