@@ -133,6 +133,7 @@ typedef struct AccuracyDem {
     uint64_t hash; // of its heights as loaded
     World worlds[ACCURACY_KINDS_MAX];
     double build_ms[ACCURACY_KINDS_MAX][3]; // of the hierarchy: median, least, most of the rounds
+    double begin_ms[ACCURACY_VARIANTS_MAX]; // all that a method has ready before its first frame, median of its passes
     Track tracks[ACCURACY_FLIGHTS_MAX];
     AccuracyPose *poses;
     int pose_count;
@@ -201,6 +202,7 @@ void accuracy_clear(Accuracy *accuracy);
 double accuracy_px_per_rad(const AccuracyPlan *plan);
 // The first method with nested errors, which the kinds of --error are shown with: its variant of one kind; -1: none.
 int accuracy_variant_of_kind(const AccuracyPlan *plan, int kind);
+bool accuracy_is_nested(LodMethod method); // whether it takes the nested errors of the terrain
 AccuracyRun *accuracy_run_at(const Accuracy *accuracy, int dem, int variant, int tau);
 int accuracy_jump_free(const Accuracy *accuracy, int dem); // frames whose times count
 // Whether what was promised was kept and the surfaces were whole: of one run, of all.

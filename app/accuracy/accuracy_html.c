@@ -71,16 +71,16 @@ static void put_worst_frame(const Page *page) {
     const AccuracyDem *dem = &accuracy->dems[run->dem];
     const AccuracyPose *pose = &dem->poses[worst->frame];
     const AccuracyFrame *frame = &run->frames[worst->frame];
+    bool promised = run->summary.promised;
     fputs("<p>", page->to);
-    html_format(
-        page->to,
-        "The worst frame, of those that promise: %s at tau %g px over %s, frame %d of the flight \"%s\": %.4f px "
-        "measured where %.4g px are claimed, at column %d, row %d; %s. To see it again:",
-        accuracy->plan.variants[run->variant].name, run->tau_px, dem->name, pose->number,
-        dem->tracks[pose->flight].name, frame->measure.max_px, frame->reached_px, frame->measure.worst_col,
-        frame->measure.worst_row,
-        worst->repeated ? "a refinement from scratch gave the same error"
-                        : "a refinement from scratch gave another error");
+    html_format(page->to,
+                "The worst frame%s: %s at tau %g px over %s, frame %d of the flight \"%s\": %.4f px "
+                "measured where %.4g px are %s, at column %d, row %d; %s. To see it again:",
+                promised ? ", of those that promise" : "", accuracy->plan.variants[run->variant].name, run->tau_px,
+                dem->name, pose->number, dem->tracks[pose->flight].name, frame->measure.max_px, frame->reached_px,
+                promised ? "promised" : "asked for", frame->measure.worst_col, frame->measure.worst_row,
+                worst->repeated ? "a refinement from scratch gave the same error"
+                                : "a refinement from scratch gave another error");
     char *command = accuracy_command(accuracy, run, worst->frame);
     fputs("</p><pre><code id=\"again\">", page->to);
     html_text(command ? command : "(no memory)", page->to);
@@ -215,7 +215,7 @@ static void put_equal(const Page *page, int dem) {
             html_cell_number(cost.frame_most_ms, 2, page->to);
             html_cell_number(cost.update_ms, 3, page->to);
             html_cell_number(cost.triangles, 0, page->to);
-            html_cell_number(page->accuracy->dems[dem].build_ms[plan->variants[variant].kind][0], 1, page->to);
+            html_cell_number(page->accuracy->dems[dem].begin_ms[variant], 1, page->to);
             html_end_row(page->to);
         }
     html_end_table(page->to);
@@ -288,37 +288,89 @@ static void put_hitches(const Page *page, int dem) {
 
 // ---- the DEMs ----
 
-// Those whose rounds overlap with the cheapest one's: no difference beyond the spread.
-static void put_cheapest(const Page *page, int dem, bool promised, const char *before) {
-    const AccuracyPlan *plan = &page->accuracy->plan;
-    int tau = accuracy_tau_shown(page->accuracy), count = 0;
-    double most_ms = INFINITY, best_ms = INFINITY;
+// What methods cost at the measured error that is shown.
+typedef struct Costs {
+    AccuracyCost of[ACCURACY_VARIANTS_MAX];
+    bool promised[ACCURACY_VARIANTS_MAX];
+    bool cheap[ACCURACY_VARIANTS_MAX]; // their rounds overlap with the cheapest one's: no difference beyond the spread
+} Costs;
+
+static void find_costs(const Page *page, int dem, Costs *out) {
+    int tau = accuracy_tau_shown(page->accuracy);
+    for (int i = 0; i < page->accuracy->plan.variant_count; i++) {
+        out->of[i] = accuracy_cost_at(page->accuracy, dem, i, page->accuracy->plan.tau_px[tau]);
+        out->promised[i] = accuracy_run_at(page->accuracy, dem, i, tau)->summary.promised;
+    }
+}
+
+static bool is_compared(const Page *page, const Costs *costs, int variant) {
+    return page->accuracy->plan.variants[variant].kind == 0 && isfinite(costs->of[variant].frame_ms);
+}
+
+// Of all, or of those that promise; how many there are.
+static int find_cheap(const Page *page, Costs *costs, bool promised) {
+    int count = 0, best = -1;
     for (int pass = 0; pass < 2; pass++)
-        for (int variant = 0; variant < plan->variant_count; variant++) {
-            AccuracyCost cost = accuracy_cost_at(page->accuracy, dem, variant, plan->tau_px[tau]);
-            bool counts = plan->variants[variant].kind == 0 && isfinite(cost.frame_ms) &&
-                          (!promised || accuracy_run_at(page->accuracy, dem, variant, tau)->summary.promised);
-            if (counts && pass == 0 && cost.frame_ms < best_ms) {
-                best_ms = cost.frame_ms;
-                most_ms = cost.frame_most_ms;
-            } else if (counts && pass == 1 && cost.frame_least_ms <= most_ms) {
-                html_format(page->to, "%s%s (%.1f to %.1f ms)", count++ ? ", " : before, plan->variants[variant].name,
-                            cost.frame_least_ms, cost.frame_most_ms);
-            }
+        for (int i = 0; i < page->accuracy->plan.variant_count; i++) {
+            const AccuracyCost *cost = &costs->of[i];
+            bool counts = is_compared(page, costs, i) && (!promised || costs->promised[i]);
+            if (pass == 0 && counts && (best < 0 || cost->frame_ms < costs->of[best].frame_ms))
+                best = i;
+            costs->cheap[i] = pass > 0 && counts && cost->frame_least_ms <= costs->of[best].frame_most_ms;
+            count += costs->cheap[i];
         }
-    if (count)
+    return count;
+}
+
+static void put_cheap(const Page *page, const Costs *costs, const char *before) {
+    const char *between = before;
+    for (int i = 0; i < page->accuracy->plan.variant_count; i++)
+        if (costs->cheap[i]) {
+            html_format(page->to, "%s%s (%.1f to %.1f ms)", between, page->accuracy->plan.variants[i].name,
+                        costs->of[i].frame_least_ms, costs->of[i].frame_most_ms);
+            between = ", ";
+        }
+}
+
+// Those whose line does not reach the error.
+static void put_uncompared(const Page *page, const Costs *costs) {
+    const char *between = "Not compared, as their measured errors do not reach from below it to above it: ";
+    bool any = false;
+    for (int i = 0; i < page->accuracy->plan.variant_count; i++)
+        if (page->accuracy->plan.variants[i].kind == 0 && !is_compared(page, costs, i)) {
+            html_format(page->to, "%s%s", between, page->accuracy->plan.variants[i].name);
+            between = ", ";
+            any = true;
+        }
+    fputs(any ? ". " : "", page->to);
+}
+
+// The cheapest of all; those of a promise by themselves only where they are others.
+static void put_costs(const Page *page, int dem) {
+    Costs all = {.cheap = {false}}, bound;
+    find_costs(page, dem, &all);
+    bound = all;
+    int count = find_cheap(page, &all, false), bounds = find_cheap(page, &bound, true);
+    bool same = count == bounds && memcmp(all.cheap, bound.cheap, sizeof all.cheap) == 0;
+    if (count) {
+        put_cheap(page, &all, "the cheapest frames, as far as the rounds tell, are those of ");
+        fputs(same ? ", of which each promises its bound. " : ". ", page->to);
+    } else {
+        fputs("there is nothing to compare. ", page->to);
+    }
+    if (bounds && !same) {
+        put_cheap(page, &bound, "Of those that promise their bound: ");
         fputs(". ", page->to);
+    }
+    put_uncompared(page, &all);
 }
 
 static void put_conclusion(const Page *page, int dem) {
     const AccuracyDem *d = &page->accuracy->dems[dem];
-    char before[200];
     double tau = page->accuracy->plan.tau_px[accuracy_tau_shown(page->accuracy)];
     fputs("<p>", page->to);
-    snprintf(before, sizeof before,
-             "At a measured error of %g px the cheapest frames, as far as the rounds tell, are those of ", tau);
-    put_cheapest(page, dem, false, before);
-    put_cheapest(page, dem, true, "Of those that promise their bound: ");
+    html_format(page->to, "At a measured error of %g px ", tau);
+    put_costs(page, dem);
     if (d->off_count || d->under_count)
         html_format(page->to, "%d of the %d eyes are not over the model, and %d are under its ground. ", d->off_count,
                     d->pose_count, d->under_count);
@@ -351,7 +403,8 @@ static Result put_dem(const Page *page, int dem) {
     put_runs(page, dem);
     fputs(
         "<h3>At equal measured error</h3>\n<p class=\"dim\">Between the two tolerances around it, on straight lines of "
-        "logarithms; a dash where a method's line does not reach so far.</p>\n",
+        "logarithms; a dash where a method's line does not reach so far. \"Build\" is all that a method has ready "
+        "before its first frame: the nested errors if it takes them, and what it makes by itself.</p>\n",
         to);
     put_equal(page, dem);
     fputs("<h3>The price of a true bound</h3>\n<p class=\"dim\">The first method with each kind of vertex errors: what "
@@ -480,7 +533,8 @@ static void put_definitions(const Page *page) {
         "A promise is broken when one sample of one frame is above what holds. Popping is the largest change of the "
         "surface, seen from the eye, from one frame to the next one, a sixtieth of a second later. Cracks are "
         "T-junctions, holes and overlaps. Measuring runs in passes of its own over the same cuts, so that it does not "
-        "disturb the times; a hash of each cut tells whether they were the same. </p>\n<p>",
+        "disturb the times; an outline of each cut, the places, levels and numbers of triangles of its patches, tells "
+        "whether they were the same. </p>\n<p>",
         page->to);
     put_unequal_cuts(page);
     fputs("Memory is what the process grew by while a run was refined and drawn, as the system tells. Negative results "
