@@ -26,7 +26,7 @@ TIMES += ["memory_bytes"]
 
 
 class BenchCli(Cli):
-    """Two runs of the tiny benchmark, each once, are kept."""
+    """Two runs of the tiny benchmark, each once, are kept: by two threads, and by one."""
 
     def __init__(self, program, folder):
         super().__init__(program, folder)
@@ -36,7 +36,8 @@ class BenchCli(Cli):
         """(folder, JSON) of a run of the tiny benchmark."""
         if name not in self.reports:
             folder = os.path.join(self.folder, "made", name)  # folders that are not there are made
-            code, out, err = self.run("bench", *TINY, "-o", folder, "--json")
+            threads = "1" if name == "second" else "2"
+            code, out, err = self.run("bench", *TINY, "--threads", threads, "-o", folder, "--json")
             expect(f"exit status, having said {err!r}", code, 0)
             self.reports[name] = (folder, json.loads(out))
         return self.reports[name]
@@ -94,6 +95,12 @@ def errors_of_two_runs_are_the_same_bytes(cli):
         for name in TIMES:
             expect_true(f"{name} {row[name]!r}", float(row.pop(name)) >= 0 or name == "memory_bytes")
     expect("errors, poses and counts", first, second)
+    summaries = []
+    for name in ("first", "second"):
+        rows = [list(row.items()) for row in rows_of(cli.report(name)[0], "summary.csv")]
+        times = [key for key, _ in rows[0]].index("frame_ms_p50")
+        summaries.append([row[:times] for row in rows])
+    expect("summaries of two threads, and of one", *summaries)
 
 
 def summaries_are_those_of_the_frames(cli):
@@ -111,6 +118,8 @@ def summaries_are_those_of_the_frames(cli):
         expect(f"{what}: longest", float(row["frame_ms_max"]), max(float(f["frame_ms_max"]) for f in timed))
         expect_true(f"{what}: p50", min(float(f["frame_ms_min"]) for f in timed) <= float(row["frame_ms_p50"])
                     <= max(float(f["frame_ms_max"]) for f in timed))
+        pairs = sum(1 for f in own if f["popping_px"])
+        expect(f"{what}: pairs of frames", [row["popping_pairs"], run["measured"]["popping_pairs"]], [str(pairs), pairs])
         expect(f"{what}: popping is told but at jumps", {f["jump"] for f in own if f["popping_px"]}, {"0"})
 
 
@@ -374,7 +383,7 @@ def check_wide_table(browser):
 
 
 def check_sorting(browser, count):
-    triangles = 11
+    triangles = 12
     before = column_of(browser, triangles)
     expect("rows", len(before), count)
     click_title(browser, triangles)

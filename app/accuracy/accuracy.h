@@ -100,7 +100,8 @@ typedef struct AccuracySpread {
 typedef struct AccuracySummary {
     double max_px, p999_px, p99_px; // greatest
     double rms_px, above_tau_share; // over all samples and frames
-    double popping_px;              // greatest
+    double popping_px;              // greatest, of `popping_pairs` pairs of frames a 60th of a second apart
+    int popping_pairs;
     int64_t t_junctions, holes, overlaps;
     double reached_px; // greatest
     bool promised;     // in every frame

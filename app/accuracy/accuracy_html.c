@@ -147,6 +147,17 @@ static void put_promise(const AccuracyRun *run, FILE *to) {
     html_cell_text(word, run->summary.promised || !accuracy_run_holds(run) ? word : "", to);
 }
 
+// Nothing found says as much as there was to find it in.
+static void put_popping(const AccuracySummary *s, FILE *to) {
+    char none[48];
+    snprintf(none, sizeof none, "none in %d pairs", s->popping_pairs);
+    if (s->popping_px > 0.0)
+        html_cell_number(s->popping_px, 2, to);
+    else
+        html_cell_text(none, "", to);
+    html_cell_number(s->popping_pairs, 0, to);
+}
+
 static void put_run_row(const Page *page, const AccuracyRun *run) {
     const AccuracySummary *s = &run->summary;
     FILE *to = page->to;
@@ -160,7 +171,7 @@ static void put_run_row(const Page *page, const AccuracyRun *run) {
     html_cell_number(s->p99_px, 3, to);
     html_cell_number(s->rms_px, 3, to);
     html_cell_number(100.0 * s->above_tau_share, 3, to);
-    html_cell_number(s->popping_px, 2, to);
+    put_popping(s, to);
     html_cell_number((double)(s->t_junctions + s->holes + s->overlaps), 0, to);
     html_cell_number(s->triangles_mean, 0, to);
     html_cell_number(100.0 * s->rebuilt_share, 1, to);
@@ -184,12 +195,12 @@ static void put_run_row(const Page *page, const AccuracyRun *run) {
 }
 
 static void put_runs(const Page *page, int dem) {
-    static const char *const titles[] = {"<method",      "tau px",      "<promise",      "holds px",    "max px",
-                                         "p99.9 px",     "p99 px",      "RMS px",        "% above tau", "popping px",
-                                         "cracks",       "triangles",   "% new",         "select ms",   "refine ms",
-                                         "upload ms",    "draw ms",     "update p50 ms", "least round", "most round",
-                                         "frame p50 ms", "least round", "most round",    "p95 ms",      "p99 ms",
-                                         "max ms",       "upload kB",   "VRAM MB",       "memory MB"};
+    static const char *const titles[] = {"<method",    "tau px",       "<promise",    "holds px",      "max px",
+                                         "p99.9 px",   "p99 px",       "RMS px",      "% above tau",   "popping px",
+                                         "pairs",      "cracks",       "triangles",   "% new",         "select ms",
+                                         "refine ms",  "upload ms",    "draw ms",     "update p50 ms", "least round",
+                                         "most round", "frame p50 ms", "least round", "most round",    "p95 ms",
+                                         "p99 ms",     "max ms",       "upload kB",   "VRAM MB",       "memory MB"};
     int of_dem = page->accuracy->plan.variant_count * page->accuracy->plan.tau_count;
     html_begin_table(titles, COUNT_OF(titles), page->to);
     for (int i = dem * of_dem; i < (dem + 1) * of_dem; i++)
@@ -531,7 +542,8 @@ static void put_definitions(const Page *page) {
         "surface at the same column and row, e the eye, lambda the pixels a radian, as told above. It is taken "
         "at every sample of the elevation model, in view or not, by code that shares nothing with the refinement. "
         "A promise is broken when one sample of one frame is above what holds. Popping is the largest change of the "
-        "surface, seen from the eye, from one frame to the next one, a sixtieth of a second later. Cracks are "
+        "surface, seen from the eye, from one frame to the next one, a sixtieth of a second later, in so many pairs of "
+        "frames as are told beside it: of a longer flight it may be more. Cracks are "
         "T-junctions, holes and overlaps. Measuring runs in passes of its own over the same cuts, so that it does not "
         "disturb the times; an outline of each cut, the places, levels and numbers of triangles of its patches, tells "
         "whether they were the same. </p>\n<p>",

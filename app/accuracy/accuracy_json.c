@@ -29,6 +29,7 @@ static void add_measured(Json *run, const AccuracySummary *s) {
     json_add_number(measured, "rms_px", s->rms_px);
     json_add_number(measured, "above_tau_share", s->above_tau_share);
     json_add_number(measured, "popping_px", s->popping_px);
+    json_add_integer(measured, "popping_pairs", s->popping_pairs);
     json_add_integer(measured, "t_junctions", s->t_junctions);
     json_add_integer(measured, "holes", s->holes);
     json_add_integer(measured, "overlaps", s->overlaps);
