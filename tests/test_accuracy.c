@@ -349,6 +349,18 @@ static void test_each_method_has_a_beginning_of_its_own(void **state) {
     }
 }
 
+static void test_gains_lie_within_their_spread(void **state) {
+    const Bench *b = *state;
+    const AccuracyScaling *scaling = &b->accuracy.scaling;
+    assert_true(scaling->speed_count > 1);
+    for (int i = 0; i < scaling->speed_count; i++) {
+        const AccuracySpeed *speed = &scaling->speeds[i];
+        assert_true(0.0 < speed->least_speedup && speed->least_speedup <= speed->speedup);
+        assert_true(speed->speedup <= speed->most_speedup);
+        assert_true(speed->threads > 1 || (speed->least_speedup == 1.0 && speed->most_speedup == 1.0));
+    }
+}
+
 static void test_costs_between_tolerances_lie_between_them(void **state) {
     Bench *b = *state;
     const AccuracySummary *fine = &accuracy_run_at(&b->accuracy, 0, 0, 0)->summary;
@@ -406,6 +418,7 @@ int main(void) {
         cmocka_unit_test(test_what_is_tolerated_is_not_condemned),
         cmocka_unit_test(test_summaries_are_those_of_the_frames),
         cmocka_unit_test(test_each_method_has_a_beginning_of_its_own),
+        cmocka_unit_test(test_gains_lie_within_their_spread),
         cmocka_unit_test(test_costs_between_tolerances_lie_between_them),
         cmocka_unit_test(test_hitches_are_told_with_their_cause),
     };

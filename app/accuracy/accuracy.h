@@ -161,7 +161,8 @@ typedef struct AccuracySpeed {
     LodMethod method;
     int threads;
     double ms, least_ms, most_ms; // median of the rounds; the whole of the views
-    double speedup;               // over one worker: median of the ratios within a round
+    // Over one worker: median of the ratios within a round, and their spread.
+    double speedup, least_speedup, most_speedup;
 } AccuracySpeed;
 
 typedef struct AccuracyScaling {

@@ -460,7 +460,8 @@ static Result put_preprocessing(const Page *page) {
 }
 
 static void put_workers(const Page *page) {
-    static const char *const titles[] = {"<method", "workers", "ms a view", "least", "most", "times as fast"};
+    static const char *const titles[] = {"<method", "workers",       "ms a view", "least",
+                                         "most",    "times as fast", "least",     "most"};
     const AccuracyScaling *scaling = &page->accuracy->scaling;
     html_begin_table(titles, COUNT_OF(titles), page->to);
     for (int i = 0; i < scaling->speed_count; i++) {
@@ -472,6 +473,8 @@ static void put_workers(const Page *page) {
         html_cell_number(speed->least_ms / scaling->views, 3, page->to);
         html_cell_number(speed->most_ms / scaling->views, 3, page->to);
         html_cell_number(speed->speedup, 2, page->to);
+        html_cell_number(speed->least_speedup, 2, page->to);
+        html_cell_number(speed->most_speedup, 2, page->to);
         html_end_row(page->to);
     }
     html_end_table(page->to);

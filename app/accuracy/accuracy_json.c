@@ -187,6 +187,7 @@ static void add_scaling(Json *json, const AccuracyScaling *scaling) {
         json_add_number(row, "refine_ms", speed->ms);
         json_add_numbers(row, "refine_ms_of_rounds", (double[2]){speed->least_ms, speed->most_ms}, 2);
         json_add_number(row, "speedup", speed->speedup);
+        json_add_numbers(row, "speedup_of_rounds", (double[2]){speed->least_speedup, speed->most_speedup}, 2);
     }
 }
 

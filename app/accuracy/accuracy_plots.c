@@ -236,7 +236,10 @@ static void put_equal(const Accuracy *accuracy, FILE *to) {
         for (int t = 0; t < count; t++) {
             for (int variant = 0; variant < plan->variant_count; variant++) {
                 fprintf(to, "%d", variant + 1);
-                put_number(accuracy_cost_at(accuracy, dem, variant, plan->tau_px[first + t]).frame_ms, to);
+                AccuracyCost cost = accuracy_cost_at(accuracy, dem, variant, plan->tau_px[first + t]);
+                put_number(cost.frame_ms, to);
+                put_number(cost.frame_least_ms, to);
+                put_number(cost.frame_most_ms, to);
                 fputc('\n', to);
             }
             fputs(BLOCK_END, to);
@@ -250,7 +253,10 @@ static void put_building(const PreprocessBench *bench, const PreprocessRun *sing
         const PreprocessRun *run = &bench->runs[i];
         if (run->kind == single->kind && run->stride == single->stride && run->scheme == ERROR_SCHEME_PARALLEL &&
             run->side == single->side)
-            fprintf(to, "%d %.6g\n", run->threads, preprocess_median(bench, single) / preprocess_median(bench, run));
+            fprintf(to, "%d %.6g %.6g %.6g\n", run->threads,
+                    preprocess_median(bench, single) / preprocess_median(bench, run),
+                    preprocess_median(bench, single) / run->ns_per_vertex[bench->rounds - 1],
+                    preprocess_median(bench, single) / run->ns_per_vertex[0]);
     }
     fputs(BLOCK_END, to);
 }
@@ -278,7 +284,8 @@ static void put_workers(const AccuracyScaling *scaling, FILE *to) {
     for (int i = 0; i < scaling->speed_count; i++) {
         if (i > 0 && scaling->speeds[i].threads == 1)
             fputs(BLOCK_END, to);
-        fprintf(to, "%d %.6g\n", scaling->speeds[i].threads, scaling->speeds[i].speedup);
+        const AccuracySpeed *speed = &scaling->speeds[i];
+        fprintf(to, "%d %.6g %.6g %.6g\n", speed->threads, speed->speedup, speed->least_speedup, speed->most_speedup);
     }
     fputs(BLOCK_END, to);
     for (int i = 0; i < bench->run_count; i++)

@@ -124,7 +124,9 @@ do for [d=1:DEMS] {
     set yrange [0:*]
     set boxwidth 0.7/TARGETS
     plot 0 with lines lc rgb INK lw 0.5 notitle, for [t=1:TARGETS] $equal index (d-1)*TARGETS+t-1 using ($1+(t-(TARGETS+1)/2.0)*0.8/TARGETS):2 with boxes \
-        fs solid 0.85 noborder lc rgb colour(t) title sprintf("%g px", TARGET[t])
+        fs solid 0.85 noborder lc rgb colour(t) title sprintf("%g px", TARGET[t]), \
+        for [t=1:TARGETS] $equal index (d-1)*TARGETS+t-1 using ($1+(t-(TARGETS+1)/2.0)*0.8/TARGETS):2:3:4 \
+        with yerrorbars lc rgb INK lw 1 pt 0 notitle
     eval LINEAR
     set xrange [*:*]
     set yrange [*:*]
@@ -149,5 +151,5 @@ set xtics 1
 set key inside left top
 set offsets 0, 0, 0, 0
 set yrange [0:*]
-plot x with lines lc rgb INK dt 3 lw 1 title "ideal", for [m=1:METHODS] $workers index m-1 using 1:2 with linespoints \
-    lc rgb colour(m) pt point(m) lw 1.5 title METHOD[m]
+plot x with lines lc rgb INK dt 3 lw 1 title "ideal", for [m=1:METHODS] $workers index m-1 using 1:2:3:4 \
+    with yerrorlines lc rgb colour(m) pt point(m) lw 1.5 title METHOD[m]
