@@ -220,7 +220,7 @@ static bool is_condemned(const Bench *b, int variant, int tau) {
 // ---- tests ----
 
 static void test_good_cuts_are_found_good(void **state) {
-    const Bench *b = *state;
+    Bench *b = *state;
     assert_true(accuracy_holds(&b->accuracy));
     for (int i = 0; i < b->accuracy.run_count; i++) {
         const AccuracyRun *run = &b->accuracy.runs[i];
@@ -230,7 +230,16 @@ static void test_good_cuts_are_found_good(void **state) {
         assert_true(run->summary.max_px > 0.0 && run->summary.triangles_mean > 10.0);
     }
     assert_true(b->accuracy.worst.run >= 0 && b->accuracy.worst.repeated);
+    double kept = b->accuracy.dems[0].begin_ms[2];
+    AccuracySummary *still = &accuracy_run_at(&b->accuracy, 0, 1, 1)->summary;
+    double popping_px = still->popping_px;
+    still->popping_px = 0.0;
+    b->accuracy.dems[0].begin_ms[2] = 1234567.5; // found again in the table
     char *html = told_by_report(&b->accuracy), *json = told_by(write_json, &b->accuracy);
+    b->accuracy.dems[0].begin_ms[2] = kept;
+    still->popping_px = popping_px;
+    expect_told("report.html", html, ">none in 4 pairs<", true);
+    expect_told("report.html", html, ">1234567.5<", true);
     expect_told("report.html", html, "<strong>Every promise held:</strong>", true);
     expect_told("report.html", html, "broken\"", false);
     expect_told("report.html", html, "http://", false);
@@ -329,6 +338,29 @@ static void test_summaries_are_those_of_the_frames(void **state) {
     }
 }
 
+// The nested errors are built for those that take them, and for nobody else.
+static void test_each_method_has_a_beginning_of_its_own(void **state) {
+    const Bench *b = *state;
+    const AccuracyDem *dem = &b->accuracy.dems[0];
+    for (int i = 0; i < b->plan.variant_count; i++) {
+        bool nested = b->plan.variants[i].method != LOD_GEOMIPMAP;
+        assert_int_equal(accuracy_is_nested(b->plan.variants[i].method), nested);
+        assert_true(dem->begin_ms[i] > (nested ? dem->build_ms[0][0] : 0.0));
+    }
+}
+
+static void test_gains_lie_within_their_spread(void **state) {
+    const Bench *b = *state;
+    const AccuracyScaling *scaling = &b->accuracy.scaling;
+    assert_true(scaling->speed_count > 1);
+    for (int i = 0; i < scaling->speed_count; i++) {
+        const AccuracySpeed *speed = &scaling->speeds[i];
+        assert_true(0.0 < speed->least_speedup && speed->least_speedup <= speed->speedup);
+        assert_true(speed->speedup <= speed->most_speedup);
+        assert_true(speed->threads > 1 || (speed->least_speedup == 1.0 && speed->most_speedup == 1.0));
+    }
+}
+
 static void test_costs_between_tolerances_lie_between_them(void **state) {
     Bench *b = *state;
     const AccuracySummary *fine = &accuracy_run_at(&b->accuracy, 0, 0, 0)->summary;
@@ -385,6 +417,8 @@ int main(void) {
         cmocka_unit_test(test_a_missing_triangle_is_condemned),
         cmocka_unit_test(test_what_is_tolerated_is_not_condemned),
         cmocka_unit_test(test_summaries_are_those_of_the_frames),
+        cmocka_unit_test(test_each_method_has_a_beginning_of_its_own),
+        cmocka_unit_test(test_gains_lie_within_their_spread),
         cmocka_unit_test(test_costs_between_tolerances_lie_between_them),
         cmocka_unit_test(test_hitches_are_told_with_their_cause),
     };

@@ -6,6 +6,7 @@ import csv
 import json
 import math
 import os
+import re
 import shlex
 import shutil
 import sys
@@ -25,7 +26,7 @@ TIMES += ["memory_bytes"]
 
 
 class BenchCli(Cli):
-    """Two runs of the tiny benchmark, each once, are kept."""
+    """Two runs of the tiny benchmark, each once, are kept: by two threads, and by one."""
 
     def __init__(self, program, folder):
         super().__init__(program, folder)
@@ -35,7 +36,8 @@ class BenchCli(Cli):
         """(folder, JSON) of a run of the tiny benchmark."""
         if name not in self.reports:
             folder = os.path.join(self.folder, "made", name)  # folders that are not there are made
-            code, out, err = self.run("bench", *TINY, "-o", folder, "--json")
+            threads = "1" if name == "second" else "2"
+            code, out, err = self.run("bench", *TINY, "--threads", threads, "-o", folder, "--json")
             expect(f"exit status, having said {err!r}", code, 0)
             self.reports[name] = (folder, json.loads(out))
         return self.reports[name]
@@ -93,6 +95,12 @@ def errors_of_two_runs_are_the_same_bytes(cli):
         for name in TIMES:
             expect_true(f"{name} {row[name]!r}", float(row.pop(name)) >= 0 or name == "memory_bytes")
     expect("errors, poses and counts", first, second)
+    summaries = []
+    for name in ("first", "second"):
+        rows = [list(row.items()) for row in rows_of(cli.report(name)[0], "summary.csv")]
+        times = [key for key, _ in rows[0]].index("frame_ms_p50")
+        summaries.append([row[:times] for row in rows])
+    expect("summaries of two threads, and of one", *summaries)
 
 
 def summaries_are_those_of_the_frames(cli):
@@ -110,7 +118,22 @@ def summaries_are_those_of_the_frames(cli):
         expect(f"{what}: longest", float(row["frame_ms_max"]), max(float(f["frame_ms_max"]) for f in timed))
         expect_true(f"{what}: p50", min(float(f["frame_ms_min"]) for f in timed) <= float(row["frame_ms_p50"])
                     <= max(float(f["frame_ms_max"]) for f in timed))
+        pairs = sum(1 for f in own if f["popping_px"])
+        expect(f"{what}: pairs of frames", [row["popping_pairs"], run["measured"]["popping_pairs"]], [str(pairs), pairs])
         expect(f"{what}: popping is told but at jumps", {f["jump"] for f in own if f["popping_px"]}, {"0"})
+
+
+def the_distribution_of_times_keeps_its_tail(cli):
+    folder, report = cli.report("first")
+    with open(os.path.join(folder, "plots.gp"), encoding="utf-8") as file:
+        parts = file.read().split("$times << EOD\n")[1].split("EOD")[0].split("\n\n\n")
+    shown = [run for run in report["runs"] if run["tau_px"] == 2]
+    for run, part in zip(shown, parts, strict=False):
+        points = [[float(number) for number in line.split()] for line in part.split("\n")]
+        expect(f"{run['variant']}: a start, and five rounds of the frames that are timed", len(points), 1 + 5 * 2 * 4)
+        expect(f"{run['variant']}: from 0 to 1", [points[0][1], points[-1][1]], [0, 1])
+        longest = run["frame_ms"]["max"]
+        expect_true(f"{run['variant']}: {points[-1][0]} is {longest}", abs(points[-1][0] / longest - 1) < 1e-6)
 
 
 def the_command_of_the_worst_frame_measures_it_again(cli):
@@ -123,14 +146,18 @@ def the_command_of_the_worst_frame_measures_it_again(cli):
 
 
 def the_command_tells_what_else_was_given(cli):
-    folder = os.path.join(cli.folder, "given")
-    code, out, err = cli.run("bench", *SMALL, "--methods", "geomipmap:centre,roam", "--tile-side", "9", "-o", folder,
+    """And all of a path that is longer than a buffer would be."""
+    folder, place = (os.path.join(cli.folder, *names) for names in (["given"], [*3 * [130 * "d"], "it's deep.tif"]))
+    os.makedirs(os.path.dirname(place))
+    shutil.copy(DEM, place)
+    code, out, err = cli.run("bench", place, *SMALL, "--methods", "geomipmap:centre,roam", "--tile-side", "9", "-o", folder,
                              "--json", OVERFLY_MAX_TRIANGLES="3000", OVERFLY_VOIDS="hole")
     expect(f"exit status, having said {err!r}", code, 0)
     for run in json.loads(out)["runs"]:
         words = shlex.split(run["worst_frame"]["command"])
         for part in ("--tile-side=9", "--max-triangles=3000", "--voids=hole"):
             expect_true(f"{part} in {words}", part in words)
+        expect("place", words[2], place)
         again = json.loads(cli.run(*words[1:], "--json")[1])
         expect(f"{run['variant']}: error", again["measured"]["max_px"], run["worst_frame"]["max_px"])
 
@@ -140,7 +167,11 @@ def where_nothing_is_promised_nothing_is_said_to_hold(cli):
     expect(f"exit status, having said {err!r}", code, 0)
     expect_true("verdict", json.loads(out)["verdict"].startswith("Nothing was promised: none of the 2 runs"))
     with open(os.path.join(cli.folder, "none", "report.html"), encoding="utf-8") as file:
-        expect_true("no green promise", "promise held" not in file.read())
+        html = file.read()
+    expect_true("no green promise", "promise held" not in html and "of those that promise" not in html)
+    told = html.split("At a measured error of ")[1].split("</p>")[0]
+    expect("what is said of costs", "their bound" in told, False)
+    expect("methods without a line there are named", "Not compared" in told, "geomipmap (" not in told)
 
 
 def names_that_are_alike_are_told_apart(cli):
@@ -224,8 +255,12 @@ def several_dems_stand_side_by_side(cli):
     expect(f"exit status, having said {err!r}", code, 0)
     expect("dems", [run["dem"] for run in json.loads(out)["runs"]],
            ["jacksboro_fault.tif"] * 2 + ["jacksboro"] * 2)
-    expect_true("plots of both", {"pareto-jacksboro_fault.svg", "pareto-jacksboro.svg"}
-                <= set(os.listdir(os.path.join(cli.folder, "two"))))
+    plots = [name for name in os.listdir(os.path.join(cli.folder, "two")) if name.endswith(".svg")]
+    expect_true("plots of both", {"pareto-jacksboro_fault.svg", "pareto-jacksboro.svg"} <= set(plots))
+    for name in plots:
+        with open(os.path.join(cli.folder, "two", name), encoding="utf-8") as file:
+            beside = re.findall(r'text-anchor="start">\s*<text>([\d.]+)<', file.read())
+        expect(f"{name}: numbers that stand beside their ticks", beside, [])
 
 
 def mistakes_are_named(cli):
@@ -348,7 +383,7 @@ def check_wide_table(browser):
 
 
 def check_sorting(browser, count):
-    triangles = 11
+    triangles = 12
     before = column_of(browser, triangles)
     expect("rows", len(before), count)
     click_title(browser, triangles)
@@ -381,6 +416,7 @@ def check_themes(browser):
 
 CASES = [all_files_are_there, json_keeps_its_contract, promises_are_those_of_the_methods,
          errors_of_two_runs_are_the_same_bytes, summaries_are_those_of_the_frames,
+         the_distribution_of_times_keeps_its_tail,
          the_command_of_the_worst_frame_measures_it_again, the_command_tells_what_else_was_given,
          where_nothing_is_promised_nothing_is_said_to_hold, names_that_are_alike_are_told_apart, names_are_no_commands,
          mistakes_are_found_before_the_work, other_kinds_of_errors_cost_and_give_what_they_should,

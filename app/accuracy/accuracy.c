@@ -1,4 +1,4 @@
-#define _DEFAULT_SOURCE // getloadavg
+#define _GNU_SOURCE // getloadavg, open_memstream
 #include "app/accuracy/accuracy_internal.h"
 #include "app/scene_load.h"
 #include "base/clock.h"
@@ -18,34 +18,39 @@ static bool is_plain(const char *text) {
 }
 
 // Quoted for a shell where that is needed.
-static void quote(const char *text, char *out, size_t size) {
-    size_t used = (size_t)snprintf(out, size, "'");
+static void quote(const char *text, FILE *to) {
     if (is_plain(text)) {
-        snprintf(out, size, "%s", text);
+        fputs(text, to);
         return;
     }
-    for (; *text && used + 6 < size; text++)
-        used += (size_t)snprintf(out + used, size - used, *text == '\'' ? "'\\''" : "%c", *text);
-    snprintf(out + used, size - used, "'");
+    fputc('\'', to);
+    for (; *text; text++)
+        fprintf(to, *text == '\'' ? "'\\''" : "%c", *text);
+    fputc('\'', to);
 }
 
 // The options of a subcommand that were given, by whomever, but for some.
-static void put_options(const Options *options, unsigned command, const OptionId *but, size_t but_count, char *out,
-                        size_t size) {
-    size_t used = 0;
+static void put_options(const Options *options, unsigned command, const OptionId *but, size_t but_count, FILE *to) {
     for (int id = 0; id < OPTION_COUNT; id++) {
         const OptionSpec *spec = option_spec((OptionId)id);
         bool skip = !(spec->commands & command) || !(spec->commands & COMMAND_BENCH) ||
                     !options_is_given(options, (OptionId)id);
         for (size_t i = 0; i < but_count; i++)
             skip = skip || but[i] == (OptionId)id;
-        char value[600];
         if (skip)
             continue;
-        quote(options_text(options, (OptionId)id), value, sizeof value);
-        if (used + strlen(spec->name) + strlen(value) + 5 < size)
-            used += (size_t)snprintf(out + used, size - used, " --%s=%s", spec->name, value);
+        fprintf(to, " --%s=", spec->name);
+        quote(options_text(options, (OptionId)id), to);
     }
+}
+
+static Result describe_given(Accuracy *accuracy) {
+    size_t count;
+    FILE *memory = open_memstream(&accuracy->given, &count);
+    if (!memory)
+        return RESULT_MEMORY;
+    put_options(accuracy->plan.options, COMMAND_BENCH, NULL, 0, memory);
+    return fclose(memory) == 0 ? RESULT_OK : RESULT_MEMORY;
 }
 
 static void describe_system(Accuracy *accuracy) {
@@ -54,7 +59,6 @@ static void describe_system(Accuracy *accuracy) {
         snprintf(accuracy->system, sizeof accuracy->system, "%.40s %.50s %.30s", name.sysname, name.release,
                  name.machine);
     accuracy->memory_gb = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE) * 1e-9;
-    put_options(accuracy->plan.options, COMMAND_BENCH, NULL, 0, accuracy->given, sizeof accuracy->given);
 }
 
 static Result create_runs(Accuracy *accuracy) {
@@ -126,6 +130,8 @@ Result accuracy_run(const AccuracyPlan *plan, Accuracy *out) {
     describe_system(out);
     open_context(out, &context);
     Result result = create_runs(out);
+    if (result == RESULT_OK)
+        result = describe_given(out);
     for (int dem = 0; dem < plan->dem_count && result == RESULT_OK; dem++)
         result = run_dem(out, dem, context);
     context_destroy(&context);
@@ -136,8 +142,10 @@ Result accuracy_run(const AccuracyPlan *plan, Accuracy *out) {
 }
 
 void accuracy_clear(Accuracy *accuracy) {
-    for (int i = 0; accuracy->runs && i < accuracy->run_count; i++)
+    for (int i = 0; accuracy->runs && i < accuracy->run_count; i++) {
         free(accuracy->runs[i].frames);
+        free(accuracy->runs[i].frame_ms);
+    }
     free(accuracy->runs);
     for (int i = 0; i < ACCURACY_DEMS_MAX; i++) {
         accuracy_unload(&accuracy->dems[i]);
@@ -148,34 +156,45 @@ void accuracy_clear(Accuracy *accuracy) {
     preprocess_clear(&accuracy->scaling.preprocess);
     free(accuracy->worst.heat.rgb);
     free(accuracy->worst.picture.rgb);
+    free(accuracy->given);
     *accuracy = (Accuracy){.runs = NULL};
 }
 
 // What `mesh` has to be told besides the view.
-static void put_mesh_options(const Options *options, char *out, size_t size) {
+static void put_mesh_options(const Options *options, FILE *to) {
     static const OptionId told[] = {OPTION_METHOD,  OPTION_BOUND, OPTION_ERROR,  OPTION_SIZE,
                                     OPTION_FOV,     OPTION_EYE,   OPTION_LOOK,   OPTION_JSON,
                                     OPTION_THREADS, OPTION_QUIET, OPTION_VERBOSE};
-    put_options(options, COMMAND_MESH, told, COUNT_OF(told), out, size);
+    put_options(options, COMMAND_MESH, told, COUNT_OF(told), to);
 }
 
-void accuracy_command(const Accuracy *accuracy, const AccuracyRun *run, int frame, char *out, size_t size) {
+static void put_command(const Accuracy *accuracy, const AccuracyRun *run, int frame, FILE *to) {
     const AccuracyPlan *plan = &accuracy->plan;
-    const AccuracyDem *dem = &accuracy->dems[run->dem];
     const AccuracyVariant *variant = &plan->variants[run->variant];
-    const Viewpoint *at = &dem->poses[frame].at;
-    char program[600], place[600], others[600] = "";
-    quote(options_program(plan->options), program, sizeof program);
-    quote(dem->place, place, sizeof place);
-    put_mesh_options(plan->options, others, sizeof others);
+    const Viewpoint *at = &accuracy->dems[run->dem].poses[frame].at;
+    const char *place = plan->dems[run->dem];
+    quote(options_program(plan->options), to);
+    fputs(place ? " mesh " : " mesh", to);
+    quote(place ? place : "", to);
     const char *bound = scene_bound_corner(plan->options)    ? " --bound corner"
                         : variant->bound == LOD_BOUND_CENTRE ? " --bound centre"
                                                              : "";
-    snprintf(out, size,
-             "%s mesh%s%s --method %s%s --error %s --tau %.17g --size %dx%d --fov %.17g "
-             "--eye %.9f,%.9f,%.3f --look %.6f,%.6f%s",
-             program, *dem->place ? " " : "", *dem->place ? place : "", lod_method_name(variant->method), bound,
-             plan->kinds[variant->kind].name, run->tau_px, plan->width, plan->height,
-             options_number(plan->options, OPTION_FOV), at->lat_deg, at->lon_deg, at->alt_m, at->heading_deg,
-             at->pitch_deg, others);
+    fprintf(to, " --method %s%s --error %s --tau %.17g --size %dx%d --fov %.17g --eye %.9f,%.9f,%.3f --look %.6f,%.6f",
+            lod_method_name(variant->method), bound, plan->kinds[variant->kind].name, run->tau_px, plan->width,
+            plan->height, options_number(plan->options, OPTION_FOV), at->lat_deg, at->lon_deg, at->alt_m,
+            at->heading_deg, at->pitch_deg);
+    put_mesh_options(plan->options, to);
+}
+
+char *accuracy_command(const Accuracy *accuracy, const AccuracyRun *run, int frame) {
+    char *text = NULL;
+    size_t count;
+    FILE *memory = open_memstream(&text, &count);
+    if (!memory)
+        return NULL;
+    put_command(accuracy, run, frame, memory);
+    if (fclose(memory) == 0)
+        return text;
+    free(text);
+    return NULL;
 }

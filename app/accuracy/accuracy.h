@@ -100,7 +100,8 @@ typedef struct AccuracySpread {
 typedef struct AccuracySummary {
     double max_px, p999_px, p99_px; // greatest
     double rms_px, above_tau_share; // over all samples and frames
-    double popping_px;              // greatest
+    double popping_px;              // greatest, of `popping_pairs` pairs of frames a 60th of a second apart
+    int popping_pairs;
     int64_t t_junctions, holes, overlaps;
     double reached_px; // greatest
     bool promised;     // in every frame
@@ -119,19 +120,21 @@ typedef struct AccuracyRun {
     int dem, variant;
     double tau_px;
     AccuracyFrame *frames; // [pose_count of the DEM]
+    double *frame_ms;      // of all frames in all rounds but of jumps, ascending
+    int frame_ms_count;
     AccuracySummary summary;
 } AccuracyRun;
 
 // One elevation model: the worlds of all kinds of errors, its flights and their poses.
 typedef struct AccuracyDem {
-    char name[128];  // of the scene or the file, without folder
-    char place[256]; // as a command line takes it; "": the default scene
+    char name[256]; // of the scene or the file, without folder
     char datum[16];
     int width, height;
     double spacing_m[2];
     uint64_t hash; // of its heights as loaded
     World worlds[ACCURACY_KINDS_MAX];
     double build_ms[ACCURACY_KINDS_MAX][3]; // of the hierarchy: median, least, most of the rounds
+    double begin_ms[ACCURACY_VARIANTS_MAX]; // all that a method has ready before its first frame, median of its passes
     Track tracks[ACCURACY_FLIGHTS_MAX];
     AccuracyPose *poses;
     int pose_count;
@@ -158,7 +161,8 @@ typedef struct AccuracySpeed {
     LodMethod method;
     int threads;
     double ms, least_ms, most_ms; // median of the rounds; the whole of the views
-    double speedup;               // over one worker: median of the ratios within a round
+    // Over one worker: median of the ratios within a round, and their spread.
+    double speedup, least_speedup, most_speedup;
 } AccuracySpeed;
 
 typedef struct AccuracyScaling {
@@ -180,7 +184,7 @@ typedef struct Accuracy {
     bool software;
     char system[128]; // its name, release and machine
     double memory_gb;
-    char given[1024]; // the options that were given, as on a command line
+    char *given; // the options that were given, as on a command line
     int threads;
     double wall_s, load; // the load average of the minute before
     int64_t unix_s;      // when it began
@@ -200,13 +204,15 @@ void accuracy_clear(Accuracy *accuracy);
 double accuracy_px_per_rad(const AccuracyPlan *plan);
 // The first method with nested errors, which the kinds of --error are shown with: its variant of one kind; -1: none.
 int accuracy_variant_of_kind(const AccuracyPlan *plan, int kind);
+bool accuracy_is_nested(LodMethod method); // whether it takes the nested errors of the terrain
 AccuracyRun *accuracy_run_at(const Accuracy *accuracy, int dem, int variant, int tau);
 int accuracy_jump_free(const Accuracy *accuracy, int dem); // frames whose times count
 // Whether what was promised was kept and the surfaces were whole: of one run, of all.
 bool accuracy_run_holds(const AccuracyRun *run);
 bool accuracy_holds(const Accuracy *accuracy);
-// The command line that measures a frame again, for a shell: "overfly mesh ...".
-void accuracy_command(const Accuracy *accuracy, const AccuracyRun *run, int frame, char *out, size_t size);
+// The command line that measures a frame again, for a shell: "overfly mesh ...". The caller frees it; NULL without
+// memory.
+char *accuracy_command(const Accuracy *accuracy, const AccuracyRun *run, int frame);
 
 // What a method costs at a measured error that its line reaches: between the two tolerances around it, on straight
 // lines of logarithms; NaN beyond the line's ends.

@@ -3,6 +3,7 @@
 #include "app/bench/bench.h"
 #include "base/log.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 
 static Result print_json(const Accuracy *accuracy) {
@@ -20,6 +21,7 @@ static Result deliver(const Accuracy *accuracy, const char *folder) {
         told = print_json(accuracy);
     else
         accuracy_write_text(accuracy, stdout);
+    fflush(stdout); // before what is logged, where both go to one file
     if (written == RESULT_OK && folder)
         log_info("%s: open report.html in a browser; frames.csv, summary.csv, summary.json and plots lie beside it",
                  folder);

@@ -115,6 +115,7 @@ static void put_summary_errors(const AccuracyRun *run, FILE *to) {
     put_number(s->rms_px, to);
     put_number(s->above_tau_share, to);
     put_number(s->popping_px, to);
+    put_integer(s->popping_pairs, to);
     put_integer(s->t_junctions, to);
     put_integer(s->holes, to);
     put_integer(s->overlaps, to);
@@ -135,7 +136,7 @@ static void put_percentiles(const AccuracyPercentiles *p, const AccuracySpread *
 
 void accuracy_write_summary(const Accuracy *accuracy, FILE *to) {
     fputs(RUN_COLUMNS
-          "reached_px,promised,promise_held,max_px,p999_px,p99_px,rms_px,above_tau_share,popping_px,"
+          "reached_px,promised,promise_held,max_px,p999_px,p99_px,rms_px,above_tau_share,popping_px,popping_pairs,"
           "t_junctions,holes,overlaps,triangles_mean,retriangulated_share,upload_bytes_mean,vram_bytes,"
           "frame_ms_p50,frame_ms_p95,frame_ms_p99,frame_ms_max,frame_ms_p50_least_round,frame_ms_p50_most_round,"
           "update_ms_p50,update_ms_p95,update_ms_p99,update_ms_max,update_ms_p50_least_round,"

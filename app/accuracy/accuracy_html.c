@@ -65,26 +65,26 @@ static Result put_picture(const Page *page, const char *file, const char *alt, c
 static void put_worst_frame(const Page *page) {
     const Accuracy *accuracy = page->accuracy;
     const AccuracyWorst *worst = &accuracy->worst;
-    char command[ACCURACY_TEXT_BYTES];
     if (worst->run < 0)
         return;
     const AccuracyRun *run = &accuracy->runs[worst->run];
     const AccuracyDem *dem = &accuracy->dems[run->dem];
     const AccuracyPose *pose = &dem->poses[worst->frame];
     const AccuracyFrame *frame = &run->frames[worst->frame];
+    bool promised = run->summary.promised;
     fputs("<p>", page->to);
-    html_format(
-        page->to,
-        "The worst frame, of those that promise: %s at tau %g px over %s, frame %d of the flight \"%s\": %.4f px "
-        "measured where %.4g px are claimed, at column %d, row %d; %s. To see it again:",
-        accuracy->plan.variants[run->variant].name, run->tau_px, dem->name, pose->number,
-        dem->tracks[pose->flight].name, frame->measure.max_px, frame->reached_px, frame->measure.worst_col,
-        frame->measure.worst_row,
-        worst->repeated ? "a refinement from scratch gave the same error"
-                        : "a refinement from scratch gave another error");
-    accuracy_command(accuracy, run, worst->frame, command, sizeof command);
+    html_format(page->to,
+                "The worst frame%s: %s at tau %g px over %s, frame %d of the flight \"%s\": %.4f px "
+                "measured where %.4g px are %s, at column %d, row %d; %s. To see it again:",
+                promised ? ", of those that promise" : "", accuracy->plan.variants[run->variant].name, run->tau_px,
+                dem->name, pose->number, dem->tracks[pose->flight].name, frame->measure.max_px, frame->reached_px,
+                promised ? "promised" : "asked for", frame->measure.worst_col, frame->measure.worst_row,
+                worst->repeated ? "a refinement from scratch gave the same error"
+                                : "a refinement from scratch gave another error");
+    char *command = accuracy_command(accuracy, run, worst->frame);
     fputs("</p><pre><code id=\"again\">", page->to);
-    html_text(command, page->to);
+    html_text(command ? command : "(no memory)", page->to);
+    free(command);
     fputs("</code></pre>\n", page->to);
 }
 
@@ -147,6 +147,17 @@ static void put_promise(const AccuracyRun *run, FILE *to) {
     html_cell_text(word, run->summary.promised || !accuracy_run_holds(run) ? word : "", to);
 }
 
+// Nothing found says as much as there was to find it in.
+static void put_popping(const AccuracySummary *s, FILE *to) {
+    char none[48];
+    snprintf(none, sizeof none, "none in %d pairs", s->popping_pairs);
+    if (s->popping_px > 0.0)
+        html_cell_number(s->popping_px, 2, to);
+    else
+        html_cell_text(none, "", to);
+    html_cell_number(s->popping_pairs, 0, to);
+}
+
 static void put_run_row(const Page *page, const AccuracyRun *run) {
     const AccuracySummary *s = &run->summary;
     FILE *to = page->to;
@@ -160,7 +171,7 @@ static void put_run_row(const Page *page, const AccuracyRun *run) {
     html_cell_number(s->p99_px, 3, to);
     html_cell_number(s->rms_px, 3, to);
     html_cell_number(100.0 * s->above_tau_share, 3, to);
-    html_cell_number(s->popping_px, 2, to);
+    put_popping(s, to);
     html_cell_number((double)(s->t_junctions + s->holes + s->overlaps), 0, to);
     html_cell_number(s->triangles_mean, 0, to);
     html_cell_number(100.0 * s->rebuilt_share, 1, to);
@@ -184,12 +195,12 @@ static void put_run_row(const Page *page, const AccuracyRun *run) {
 }
 
 static void put_runs(const Page *page, int dem) {
-    static const char *const titles[] = {"<method",      "tau px",      "<promise",      "holds px",    "max px",
-                                         "p99.9 px",     "p99 px",      "RMS px",        "% above tau", "popping px",
-                                         "cracks",       "triangles",   "% new",         "select ms",   "refine ms",
-                                         "upload ms",    "draw ms",     "update p50 ms", "least round", "most round",
-                                         "frame p50 ms", "least round", "most round",    "p95 ms",      "p99 ms",
-                                         "max ms",       "upload kB",   "VRAM MB",       "memory MB"};
+    static const char *const titles[] = {"<method",    "tau px",       "<promise",    "holds px",      "max px",
+                                         "p99.9 px",   "p99 px",       "RMS px",      "% above tau",   "popping px",
+                                         "pairs",      "cracks",       "triangles",   "% new",         "select ms",
+                                         "refine ms",  "upload ms",    "draw ms",     "update p50 ms", "least round",
+                                         "most round", "frame p50 ms", "least round", "most round",    "p95 ms",
+                                         "p99 ms",     "max ms",       "upload kB",   "VRAM MB",       "memory MB"};
     int of_dem = page->accuracy->plan.variant_count * page->accuracy->plan.tau_count;
     html_begin_table(titles, COUNT_OF(titles), page->to);
     for (int i = dem * of_dem; i < (dem + 1) * of_dem; i++)
@@ -215,7 +226,7 @@ static void put_equal(const Page *page, int dem) {
             html_cell_number(cost.frame_most_ms, 2, page->to);
             html_cell_number(cost.update_ms, 3, page->to);
             html_cell_number(cost.triangles, 0, page->to);
-            html_cell_number(page->accuracy->dems[dem].build_ms[plan->variants[variant].kind][0], 1, page->to);
+            html_cell_number(page->accuracy->dems[dem].begin_ms[variant], 1, page->to);
             html_end_row(page->to);
         }
     html_end_table(page->to);
@@ -288,37 +299,89 @@ static void put_hitches(const Page *page, int dem) {
 
 // ---- the DEMs ----
 
-// Those whose rounds overlap with the cheapest one's: no difference beyond the spread.
-static void put_cheapest(const Page *page, int dem, bool promised, const char *before) {
-    const AccuracyPlan *plan = &page->accuracy->plan;
-    int tau = accuracy_tau_shown(page->accuracy), count = 0;
-    double most_ms = INFINITY, best_ms = INFINITY;
+// What methods cost at the measured error that is shown.
+typedef struct Costs {
+    AccuracyCost of[ACCURACY_VARIANTS_MAX];
+    bool promised[ACCURACY_VARIANTS_MAX];
+    bool cheap[ACCURACY_VARIANTS_MAX]; // their rounds overlap with the cheapest one's: no difference beyond the spread
+} Costs;
+
+static void find_costs(const Page *page, int dem, Costs *out) {
+    int tau = accuracy_tau_shown(page->accuracy);
+    for (int i = 0; i < page->accuracy->plan.variant_count; i++) {
+        out->of[i] = accuracy_cost_at(page->accuracy, dem, i, page->accuracy->plan.tau_px[tau]);
+        out->promised[i] = accuracy_run_at(page->accuracy, dem, i, tau)->summary.promised;
+    }
+}
+
+static bool is_compared(const Page *page, const Costs *costs, int variant) {
+    return page->accuracy->plan.variants[variant].kind == 0 && isfinite(costs->of[variant].frame_ms);
+}
+
+// Of all, or of those that promise; how many there are.
+static int find_cheap(const Page *page, Costs *costs, bool promised) {
+    int count = 0, best = -1;
     for (int pass = 0; pass < 2; pass++)
-        for (int variant = 0; variant < plan->variant_count; variant++) {
-            AccuracyCost cost = accuracy_cost_at(page->accuracy, dem, variant, plan->tau_px[tau]);
-            bool counts = plan->variants[variant].kind == 0 && isfinite(cost.frame_ms) &&
-                          (!promised || accuracy_run_at(page->accuracy, dem, variant, tau)->summary.promised);
-            if (counts && pass == 0 && cost.frame_ms < best_ms) {
-                best_ms = cost.frame_ms;
-                most_ms = cost.frame_most_ms;
-            } else if (counts && pass == 1 && cost.frame_least_ms <= most_ms) {
-                html_format(page->to, "%s%s (%.1f to %.1f ms)", count++ ? ", " : before, plan->variants[variant].name,
-                            cost.frame_least_ms, cost.frame_most_ms);
-            }
+        for (int i = 0; i < page->accuracy->plan.variant_count; i++) {
+            const AccuracyCost *cost = &costs->of[i];
+            bool counts = is_compared(page, costs, i) && (!promised || costs->promised[i]);
+            if (pass == 0 && counts && (best < 0 || cost->frame_ms < costs->of[best].frame_ms))
+                best = i;
+            costs->cheap[i] = pass > 0 && counts && cost->frame_least_ms <= costs->of[best].frame_most_ms;
+            count += costs->cheap[i];
         }
-    if (count)
+    return count;
+}
+
+static void put_cheap(const Page *page, const Costs *costs, const char *before) {
+    const char *between = before;
+    for (int i = 0; i < page->accuracy->plan.variant_count; i++)
+        if (costs->cheap[i]) {
+            html_format(page->to, "%s%s (%.1f to %.1f ms)", between, page->accuracy->plan.variants[i].name,
+                        costs->of[i].frame_least_ms, costs->of[i].frame_most_ms);
+            between = ", ";
+        }
+}
+
+// Those whose line does not reach the error.
+static void put_uncompared(const Page *page, const Costs *costs) {
+    const char *between = "Not compared, as their measured errors do not reach from below it to above it: ";
+    bool any = false;
+    for (int i = 0; i < page->accuracy->plan.variant_count; i++)
+        if (page->accuracy->plan.variants[i].kind == 0 && !is_compared(page, costs, i)) {
+            html_format(page->to, "%s%s", between, page->accuracy->plan.variants[i].name);
+            between = ", ";
+            any = true;
+        }
+    fputs(any ? ". " : "", page->to);
+}
+
+// The cheapest of all; those of a promise by themselves only where they are others.
+static void put_costs(const Page *page, int dem) {
+    Costs all = {.cheap = {false}}, bound;
+    find_costs(page, dem, &all);
+    bound = all;
+    int count = find_cheap(page, &all, false), bounds = find_cheap(page, &bound, true);
+    bool same = count == bounds && memcmp(all.cheap, bound.cheap, sizeof all.cheap) == 0;
+    if (count) {
+        put_cheap(page, &all, "the cheapest frames, as far as the rounds tell, are those of ");
+        fputs(same ? ", of which each promises its bound. " : ". ", page->to);
+    } else {
+        fputs("there is nothing to compare. ", page->to);
+    }
+    if (bounds && !same) {
+        put_cheap(page, &bound, "Of those that promise their bound: ");
         fputs(". ", page->to);
+    }
+    put_uncompared(page, &all);
 }
 
 static void put_conclusion(const Page *page, int dem) {
     const AccuracyDem *d = &page->accuracy->dems[dem];
-    char before[200];
     double tau = page->accuracy->plan.tau_px[accuracy_tau_shown(page->accuracy)];
     fputs("<p>", page->to);
-    snprintf(before, sizeof before,
-             "At a measured error of %g px the cheapest frames, as far as the rounds tell, are those of ", tau);
-    put_cheapest(page, dem, false, before);
-    put_cheapest(page, dem, true, "Of those that promise their bound: ");
+    html_format(page->to, "At a measured error of %g px ", tau);
+    put_costs(page, dem);
     if (d->off_count || d->under_count)
         html_format(page->to, "%d of the %d eyes are not over the model, and %d are under its ground. ", d->off_count,
                     d->pose_count, d->under_count);
@@ -351,7 +414,8 @@ static Result put_dem(const Page *page, int dem) {
     put_runs(page, dem);
     fputs(
         "<h3>At equal measured error</h3>\n<p class=\"dim\">Between the two tolerances around it, on straight lines of "
-        "logarithms; a dash where a method's line does not reach so far.</p>\n",
+        "logarithms; a dash where a method's line does not reach so far. \"Build\" is all that a method has ready "
+        "before its first frame: the nested errors if it takes them, and what it makes by itself.</p>\n",
         to);
     put_equal(page, dem);
     fputs("<h3>The price of a true bound</h3>\n<p class=\"dim\">The first method with each kind of vertex errors: what "
@@ -396,7 +460,8 @@ static Result put_preprocessing(const Page *page) {
 }
 
 static void put_workers(const Page *page) {
-    static const char *const titles[] = {"<method", "workers", "ms a view", "least", "most", "times as fast"};
+    static const char *const titles[] = {"<method", "workers",       "ms a view", "least",
+                                         "most",    "times as fast", "least",     "most"};
     const AccuracyScaling *scaling = &page->accuracy->scaling;
     html_begin_table(titles, COUNT_OF(titles), page->to);
     for (int i = 0; i < scaling->speed_count; i++) {
@@ -408,9 +473,19 @@ static void put_workers(const Page *page) {
         html_cell_number(speed->least_ms / scaling->views, 3, page->to);
         html_cell_number(speed->most_ms / scaling->views, 3, page->to);
         html_cell_number(speed->speedup, 2, page->to);
+        html_cell_number(speed->least_speedup, 2, page->to);
+        html_cell_number(speed->most_speedup, 2, page->to);
         html_end_row(page->to);
     }
     html_end_table(page->to);
+}
+
+static void put_fact_text(const Page *page, const char *name, const char *text) {
+    fputs("<tr><th scope=\"row\" class=\"text\">", page->to);
+    html_text(name, page->to);
+    fputs("</th><td>", page->to);
+    html_text(text, page->to);
+    fputs("</td></tr>\n", page->to);
 }
 
 static void put_fact(const Page *page, const char *name, const char *format, ...) PRINTF_LIKE(3, 4);
@@ -420,11 +495,7 @@ static void put_fact(const Page *page, const char *name, const char *format, ...
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    fputs("<tr><th scope=\"row\" class=\"text\">", page->to);
-    html_text(name, page->to);
-    fputs("</th><td>", page->to);
-    html_text(text, page->to);
-    fputs("</td></tr>\n", page->to);
+    put_fact_text(page, name, text);
 }
 
 static void put_sources(const Page *page) {
@@ -456,7 +527,7 @@ static void put_provenance(const Page *page) {
     put_fact(page, "GPU and driver", "%s%s", *accuracy->renderer ? accuracy->renderer : "nothing was drawn",
              accuracy->software ? " (a software renderer)" : "");
     put_fact(page, "system", "%s, %.1f GB of memory", accuracy->system, accuracy->memory_gb);
-    put_fact(page, "options given", "%s", *accuracy->given ? accuracy->given : "none");
+    put_fact_text(page, "options given", *accuracy->given ? accuracy->given : "none");
     put_fact(page, "begun", "%s, %.0f s long, load average before %.2f", when, accuracy->wall_s, accuracy->load);
     put_fact(page, "picture", "%d x %d pixels, %g degrees from bottom to top, %g pixels a radian %s", plan->width,
              plan->height, options_number(plan->options, OPTION_FOV), accuracy_px_per_rad(plan),
@@ -474,9 +545,11 @@ static void put_definitions(const Page *page) {
         "surface at the same column and row, e the eye, lambda the pixels a radian, as told above. It is taken "
         "at every sample of the elevation model, in view or not, by code that shares nothing with the refinement. "
         "A promise is broken when one sample of one frame is above what holds. Popping is the largest change of the "
-        "surface, seen from the eye, from one frame to the next one, a sixtieth of a second later. Cracks are "
+        "surface, seen from the eye, from one frame to the next one, a sixtieth of a second later, in so many pairs of "
+        "frames as are told beside it: of a longer flight it may be more. Cracks are "
         "T-junctions, holes and overlaps. Measuring runs in passes of its own over the same cuts, so that it does not "
-        "disturb the times; a hash of each cut tells whether they were the same. </p>\n<p>",
+        "disturb the times; an outline of each cut, the places, levels and numbers of triangles of its patches, tells "
+        "whether they were the same. </p>\n<p>",
         page->to);
     put_unequal_cuts(page);
     fputs("Memory is what the process grew by while a run was refined and drawn, as the system tells. Negative results "

@@ -20,6 +20,7 @@ typedef struct AccuracyPass {
     Arena *frame;
     LodCut cut;
     int64_t bytes_before;
+    int64_t prepare_ns; // what it made before its first frame: in lod_create, and in the first lod_update
 } AccuracyPass;
 // `serial`: another one for each pass that one renderer draws.
 MUST_USE Result accuracy_pass_begin(const AccuracyPlan *plan, const AccuracyDem *dem, const AccuracyRun *run,

@@ -5,6 +5,7 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <stdlib.h>
 
 static void add_hash(Json *parent, const char *name, uint64_t hash) {
     char text[24];
@@ -28,6 +29,7 @@ static void add_measured(Json *run, const AccuracySummary *s) {
     json_add_number(measured, "rms_px", s->rms_px);
     json_add_number(measured, "above_tau_share", s->above_tau_share);
     json_add_number(measured, "popping_px", s->popping_px);
+    json_add_integer(measured, "popping_pairs", s->popping_pairs);
     json_add_integer(measured, "t_junctions", s->t_junctions);
     json_add_integer(measured, "holes", s->holes);
     json_add_integer(measured, "overlaps", s->overlaps);
@@ -48,13 +50,13 @@ static void add_times(Json *json, const AccuracySummary *s) {
 static void add_worst_frame(Json *json, const Accuracy *accuracy, const AccuracyRun *run) {
     const AccuracyDem *dem = &accuracy->dems[run->dem];
     const AccuracyPose *pose = &dem->poses[run->summary.worst_frame];
-    char command[ACCURACY_TEXT_BYTES];
-    accuracy_command(accuracy, run, run->summary.worst_frame, command, sizeof command);
+    char *command = accuracy_command(accuracy, run, run->summary.worst_frame);
     Json *worst = json_add_object(json, "worst_frame");
     json_add_text(worst, "flight", dem->tracks[pose->flight].name);
     json_add_integer(worst, "frame", pose->number);
     json_add_number(worst, "max_px", run->frames[run->summary.worst_frame].measure.max_px);
     json_add_text(worst, "command", command);
+    free(command);
 }
 
 static void add_run(Json *runs, const Accuracy *accuracy, const AccuracyRun *run) {
@@ -185,6 +187,7 @@ static void add_scaling(Json *json, const AccuracyScaling *scaling) {
         json_add_number(row, "refine_ms", speed->ms);
         json_add_numbers(row, "refine_ms_of_rounds", (double[2]){speed->least_ms, speed->most_ms}, 2);
         json_add_number(row, "speedup", speed->speedup);
+        json_add_numbers(row, "speedup_of_rounds", (double[2]){speed->least_speedup, speed->most_speedup}, 2);
     }
 }
 

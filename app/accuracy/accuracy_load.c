@@ -19,7 +19,6 @@ static void describe(const AccuracyPlan *plan, int index, AccuracyDem *dem) {
     const Dem *heights = terrain_dem(world->terrain);
     const char *given = plan->dems[index], *file = given ? given : heights->file, *slash = strrchr(file, '/');
     snprintf(dem->name, sizeof dem->name, "%s", slash ? slash + 1 : file);
-    snprintf(dem->place, sizeof dem->place, "%s", given ? given : "");
     snprintf(dem->datum, sizeof dem->datum, "%s", heights->datum == DEM_DATUM_EGM96 ? "EGM96" : "ellipsoid");
     dem->width = heights->width;
     dem->height = heights->height;

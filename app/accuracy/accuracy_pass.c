@@ -1,6 +1,7 @@
 #include "app/accuracy/accuracy_internal.h"
 #include "app/bench/bench.h"
 #include "app/picture_options.h"
+#include "base/clock.h"
 
 #ifdef __GLIBC__
 #include <malloc.h>
@@ -29,14 +30,22 @@ Result accuracy_pass_begin(const AccuracyPlan *plan, const AccuracyDem *dem, con
                           .tau_px = run->tau_px,
                           .bytes_before = bench_resident_bytes()};
     Result result = arena_create(FRAME_BLOCK_BYTES, &out->frame);
-    return result == RESULT_OK ? lod_create(&options, out->world->terrain, &out->lod) : result;
+    int64_t begin = clock_now_ns();
+    if (result == RESULT_OK)
+        result = lod_create(&options, out->world->terrain, &out->lod);
+    out->prepare_ns = clock_now_ns() - begin;
+    return result;
 }
 
 Result accuracy_pass_refine(AccuracyPass *pass, int pose) {
     LodView view = accuracy_view(pass->plan, pass->dem, pose, pass->tau_px);
     lod_release(pass->lod, pass->cut.frame);
     arena_reset(pass->frame);
+    bool first = pass->cut.frame == 0;
+    int64_t begin = clock_now_ns();
     Result result = lod_update(pass->lod, &view, pass->world->jobs, pass->frame, &pass->cut);
+    if (first)
+        pass->prepare_ns += clock_now_ns() - begin - pass->cut.stats.select_ns - pass->cut.stats.refine_ns;
     return result == RESULT_BUDGET ? RESULT_OK : result;
 }
 

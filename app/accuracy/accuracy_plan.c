@@ -142,13 +142,13 @@ static Result add_method(AccuracyPlan *plan, const char *name) {
     return refuse_method(name);
 }
 
-static bool is_nested(LodMethod method) {
+bool accuracy_is_nested(LodMethod method) {
     return method == LOD_HYBRID || method == LOD_PATCH || method == LOD_ROAM || method == LOD_ROAM_PARALLEL;
 }
 
 int accuracy_variant_of_kind(const AccuracyPlan *plan, int kind) {
     for (int i = 0; i < plan->variant_count; i++)
-        if (plan->variants[i].kind == kind && is_nested(plan->variants[i].method))
+        if (plan->variants[i].kind == kind && accuracy_is_nested(plan->variants[i].method))
             return i;
     return -1;
 }

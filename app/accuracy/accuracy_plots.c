@@ -3,7 +3,6 @@
 #include "app/accuracy/accuracy_plots.h"
 #include "base/log.h"
 #include "base/paths.h"
-#include "base/statistics.h"
 #include "terrain/mesh/mesh_file.h"
 
 #include <ctype.h>
@@ -206,32 +205,22 @@ static void put_track(const Accuracy *accuracy, FILE *to) {
     fputs("EOD\n", to);
 }
 
-static void put_times_of(const Accuracy *accuracy, const AccuracyRun *run, double *values, FILE *to) {
-    const AccuracyDem *dem = &accuracy->dems[run->dem];
-    int count = 0;
-    for (int pose = 0; pose < dem->pose_count; pose++)
-        if (!dem->poses[pose].jump)
-            values[count++] = run->frames[pose].median.frame_ms;
-    statistics_sort(values, count);
-    for (int i = 0; i < count; i++)
-        fprintf(to, "%.9g %.6g\n", values[i], (i + 1.0) / count);
+// Steps from 0 to 1 over the frames of all rounds, so that a slow frame of any round shows.
+static void put_times_of(const AccuracyRun *run, FILE *to) {
+    for (int i = 0; i < run->frame_ms_count; i++) {
+        if (i == 0)
+            fprintf(to, "%.9g 0\n", run->frame_ms[i]);
+        fprintf(to, "%.9g %.6g\n", run->frame_ms[i], (i + 1.0) / run->frame_ms_count);
+    }
     fputs(BLOCK_END, to);
 }
 
-static Result put_times(const Accuracy *accuracy, FILE *to) {
-    int most = 1;
-    for (int dem = 0; dem < accuracy->plan.dem_count; dem++)
-        most = accuracy->dems[dem].pose_count > most ? accuracy->dems[dem].pose_count : most;
-    double *values = malloc(sizeof *values * (size_t)most);
-    if (!values)
-        return RESULT_MEMORY;
+static void put_times(const Accuracy *accuracy, FILE *to) {
     fputs("$times << EOD\n", to);
     for (int dem = 0; dem < accuracy->plan.dem_count; dem++)
         for (int variant = 0; variant < accuracy->plan.variant_count; variant++)
-            put_times_of(accuracy, accuracy_run_at(accuracy, dem, variant, accuracy_tau_shown(accuracy)), values, to);
+            put_times_of(accuracy_run_at(accuracy, dem, variant, accuracy_tau_shown(accuracy)), to);
     fputs("EOD\n", to);
-    free(values);
-    return RESULT_OK;
 }
 
 // The largest tolerances but one, which lines of methods that keep their bound do not reach.
@@ -247,7 +236,10 @@ static void put_equal(const Accuracy *accuracy, FILE *to) {
         for (int t = 0; t < count; t++) {
             for (int variant = 0; variant < plan->variant_count; variant++) {
                 fprintf(to, "%d", variant + 1);
-                put_number(accuracy_cost_at(accuracy, dem, variant, plan->tau_px[first + t]).frame_ms, to);
+                AccuracyCost cost = accuracy_cost_at(accuracy, dem, variant, plan->tau_px[first + t]);
+                put_number(cost.frame_ms, to);
+                put_number(cost.frame_least_ms, to);
+                put_number(cost.frame_most_ms, to);
                 fputc('\n', to);
             }
             fputs(BLOCK_END, to);
@@ -261,7 +253,10 @@ static void put_building(const PreprocessBench *bench, const PreprocessRun *sing
         const PreprocessRun *run = &bench->runs[i];
         if (run->kind == single->kind && run->stride == single->stride && run->scheme == ERROR_SCHEME_PARALLEL &&
             run->side == single->side)
-            fprintf(to, "%d %.6g\n", run->threads, preprocess_median(bench, single) / preprocess_median(bench, run));
+            fprintf(to, "%d %.6g %.6g %.6g\n", run->threads,
+                    preprocess_median(bench, single) / preprocess_median(bench, run),
+                    preprocess_median(bench, single) / run->ns_per_vertex[bench->rounds - 1],
+                    preprocess_median(bench, single) / run->ns_per_vertex[0]);
     }
     fputs(BLOCK_END, to);
 }
@@ -289,7 +284,8 @@ static void put_workers(const AccuracyScaling *scaling, FILE *to) {
     for (int i = 0; i < scaling->speed_count; i++) {
         if (i > 0 && scaling->speeds[i].threads == 1)
             fputs(BLOCK_END, to);
-        fprintf(to, "%d %.6g\n", scaling->speeds[i].threads, scaling->speeds[i].speedup);
+        const AccuracySpeed *speed = &scaling->speeds[i];
+        fprintf(to, "%d %.6g %.6g %.6g\n", speed->threads, speed->speedup, speed->least_speedup, speed->most_speedup);
     }
     fputs(BLOCK_END, to);
     for (int i = 0; i < bench->run_count; i++)
@@ -368,9 +364,8 @@ static Result write_script(const Accuracy *accuracy, const char *folder) {
     put_names(accuracy, to);
     put_runs(accuracy, to);
     put_track(accuracy, to);
-    Result result = put_times(accuracy, to);
-    if (result == RESULT_OK)
-        result = put_front(accuracy, to);
+    put_times(accuracy, to);
+    Result result = put_front(accuracy, to);
     put_equal(accuracy, to);
     put_workers(&accuracy->scaling, to);
     put_sizes(&accuracy->scaling.preprocess, to);

@@ -103,6 +103,8 @@ static Result count(Scaling *s) {
             ratios[round] = single_of(s, i)->ms[round] / s->racers[i].ms[round];
         statistics_sort(ratios, rounds);
         s->out->speeds[i].speedup = statistics_percentile(ratios, rounds, 0.5);
+        s->out->speeds[i].least_speedup = ratios[0];
+        s->out->speeds[i].most_speedup = ratios[rounds - 1];
     }
     for (int i = 0; i < s->out->speed_count; i++) {
         AccuracySpeed *speed = &s->out->speeds[i];

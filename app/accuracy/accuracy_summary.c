@@ -45,8 +45,10 @@ static void add_errors(AccuracySummary *s, const AccuracyFrame *frame, int frame
     s->holes += m->holes;
     s->overlaps += m->overlaps;
     s->reached_px = fmax(s->reached_px, frame->reached_px);
-    if (isfinite(frame->popping_px))
+    if (isfinite(frame->popping_px)) {
         s->popping_px = fmax(s->popping_px, frame->popping_px);
+        s->popping_pairs++;
+    }
     s->promised = s->promised && frame->promises;
     s->held = s->held && is_whole(m) && m->max_px <= frame->reached_px;
 }

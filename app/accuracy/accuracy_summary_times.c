@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
+#include <string.h>
 
 typedef double Figure(const AccuracyTimes *times);
 
@@ -95,7 +96,16 @@ static void summarize_counts(const AccuracyDem *dem, AccuracyRun *run, int count
     }
 }
 
-static void summarize_run(const Rounds *r, int counted, AccuracyRun *run) {
+static Result keep_sorted(const Rounds *r, AccuracyRun *run) {
+    run->frame_ms_count = sort_frames(r, 0, r->rounds, frame_of);
+    run->frame_ms = malloc(sizeof *run->frame_ms * (size_t)(run->frame_ms_count + 1));
+    if (!run->frame_ms)
+        return RESULT_MEMORY;
+    memcpy(run->frame_ms, r->values, sizeof *run->frame_ms * (size_t)run->frame_ms_count);
+    return RESULT_OK;
+}
+
+static Result summarize_run(const Rounds *r, int counted, AccuracyRun *run) {
     for (int pose = 0; pose < r->dem->pose_count; pose++)
         summarize_frame(r, pose, &run->frames[pose]);
     summarize_counts(r->dem, run, counted);
@@ -103,6 +113,7 @@ static void summarize_run(const Rounds *r, int counted, AccuracyRun *run) {
     run->summary.update_ms = percentiles_of(r, update_of);
     run->summary.frame_p50 = spread_of(r, frame_of);
     run->summary.update_p50 = spread_of(r, update_of);
+    return keep_sorted(r, run);
 }
 
 Result accuracy_summarize_times(Accuracy *accuracy, int dem, const AccuracyTimes *times) {
@@ -110,14 +121,13 @@ Result accuracy_summarize_times(Accuracy *accuracy, int dem, const AccuracyTimes
     Rounds r = {.dem = &accuracy->dems[dem], .rounds = accuracy->plan.rounds};
     size_t count = (size_t)r.rounds * (size_t)r.dem->pose_count;
     r.values = malloc(sizeof *r.values * count);
-    if (!r.values) {
-        log_error("bench: no memory to sort the times of %zu frames", count);
-        return RESULT_MEMORY;
-    }
-    for (int i = 0; i < runs; i++) {
+    Result result = r.values ? RESULT_OK : RESULT_MEMORY;
+    for (int i = 0; i < runs && result == RESULT_OK; i++) {
         r.times = times + (size_t)i * count;
-        summarize_run(&r, accuracy_jump_free(accuracy, dem), &accuracy->runs[dem * runs + i]);
+        result = summarize_run(&r, accuracy_jump_free(accuracy, dem), &accuracy->runs[dem * runs + i]);
     }
+    if (result == RESULT_MEMORY)
+        log_error("bench: no memory to sort the times of %zu frames", count);
     free(r.values);
-    return RESULT_OK;
+    return result;
 }

@@ -2,6 +2,7 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <stdlib.h>
 
 static int64_t cracks_of(const AccuracySummary *s) {
     return s->t_junctions + s->holes + s->overlaps;
@@ -91,13 +92,16 @@ void accuracy_verdict(const Accuracy *accuracy, char out[ACCURACY_TEXT_BYTES]) {
 
 static void write_run(const Accuracy *accuracy, const AccuracyRun *run, FILE *to) {
     const AccuracySummary *s = &run->summary;
-    fprintf(to, "%-28s %5g  %8.3f %8.3f %8.3f %8.4f  %-9s %7.2f %7" PRId64 "  %9.0f %5.1f  %8.2f %8.2f %8.2f\n",
+    char popping[16] = "none";
+    if (s->popping_px > 0.0)
+        snprintf(popping, sizeof popping, "%.2f", s->popping_px);
+    fprintf(to, "%-28s %5g  %8.3f %8.3f %8.3f %8.4f  %-9s %7s %7" PRId64 "  %9.0f %5.1f  %8.2f %8.2f %8.2f\n",
             accuracy->plan.variants[run->variant].name, run->tau_px, s->max_px, s->p999_px, s->rms_px,
             100.0 * s->above_tau_share,
             !accuracy_run_holds(run) ? "BROKEN"
             : s->promised            ? "held"
                                      : "none",
-            s->popping_px, cracks_of(s), s->triangles_mean, 100.0 * s->rebuilt_share, s->update_ms.p50, s->frame_ms.p50,
+            popping, cracks_of(s), s->triangles_mean, 100.0 * s->rebuilt_share, s->update_ms.p50, s->frame_ms.p50,
             s->frame_ms.p99);
 }
 
@@ -115,12 +119,14 @@ void accuracy_write_text(const Accuracy *accuracy, FILE *to) {
                 "p99 ms");
         for (int i = dem * of_dem; i < (dem + 1) * of_dem; i++)
             write_run(accuracy, &accuracy->runs[i], to);
-        fputc('\n', to);
+        fprintf(to, "\npopping: the largest found in %d pairs of frames a run; of a longer flight it may be more\n\n",
+                accuracy_jump_free(accuracy, dem));
     }
     accuracy_verdict(accuracy, text);
     fprintf(to, "%s\n", text);
     if (accuracy->worst.run < 0)
         return;
-    accuracy_command(accuracy, &accuracy->runs[accuracy->worst.run], accuracy->worst.frame, text, sizeof text);
-    fprintf(to, "The worst frame again: %s\n", text);
+    char *command = accuracy_command(accuracy, &accuracy->runs[accuracy->worst.run], accuracy->worst.frame);
+    fprintf(to, "The worst frame again: %s\n", command ? command : "(no memory)");
+    free(command);
 }

@@ -4,7 +4,9 @@
 #include "app/bench/bench.h"
 #include "base/clock.h"
 #include "base/log.h"
+#include "base/statistics.h"
 
+#include <stddef.h>
 #include <stdlib.h>
 
 typedef struct Timing {
@@ -13,6 +15,7 @@ typedef struct Timing {
     Context *context;                        // NULL: nothing is drawn
     Renderer *renderers[ACCURACY_KINDS_MAX]; // of each kind's terrain
     AccuracyTimes *times;                    // [run of the DEM][round][pose]
+    double *prepare_ms;                      // [run of the DEM][round]
     uint32_t serial;
     Progress progress;
     int passes, passes_done;
@@ -75,6 +78,7 @@ static Result fly(Timing *timing, int run_of_dem, int round) {
     Result result = accuracy_pass_begin(plan, dem, run, ++timing->serial, &pass);
     for (int pose = 0; pose < dem->pose_count && result == RESULT_OK; pose++)
         result = fly_frame(timing, &pass, run, round, pose, &times[pose]);
+    timing->prepare_ms[run_of_dem * plan->rounds + round] = (double)pass.prepare_ns * 1e-6;
     accuracy_pass_end(&pass);
     progress_update(&timing->progress, (double)++timing->passes_done / timing->passes);
     return result;
@@ -107,6 +111,19 @@ static void destroy_renderers(Timing *timing) {
         context_release_current(timing->context);
 }
 
+static void summarize_beginnings(const Timing *timing) {
+    const AccuracyPlan *plan = &timing->accuracy->plan;
+    AccuracyDem *dem = &timing->accuracy->dems[timing->dem];
+    int count = plan->tau_count * plan->rounds;
+    for (int i = 0; i < plan->variant_count; i++) {
+        double *ms = timing->prepare_ms + (ptrdiff_t)i * count;
+        statistics_sort(ms, count);
+        dem->begin_ms[i] = statistics_percentile(ms, count, 0.5);
+        if (accuracy_is_nested(plan->variants[i].method))
+            dem->begin_ms[i] += dem->build_ms[plan->variants[i].kind][0];
+    }
+}
+
 Result accuracy_time(Accuracy *accuracy, int dem, Context *context) {
     const AccuracyPlan *plan = &accuracy->plan;
     Timing timing = {.accuracy = accuracy, .dem = dem, .context = context};
@@ -114,11 +131,12 @@ Result accuracy_time(Accuracy *accuracy, int dem, Context *context) {
     size_t count = (size_t)runs * (size_t)plan->rounds * (size_t)accuracy->dems[dem].pose_count;
     timing.passes = runs * plan->rounds;
     timing.times = calloc(count, sizeof *timing.times);
-    if (!timing.times) {
+    timing.prepare_ms = calloc((size_t)timing.passes, sizeof *timing.prepare_ms);
+    Result result = timing.times && timing.prepare_ms ? RESULT_OK : RESULT_MEMORY;
+    if (result == RESULT_MEMORY)
         log_error("bench: no memory for the times of %zu frames", count);
-        return RESULT_MEMORY;
-    }
-    Result result = context ? create_renderers(&timing) : RESULT_OK;
+    if (result == RESULT_OK && context)
+        result = create_renderers(&timing);
     timing.progress = progress_begin("timing");
     for (int round = 0; round < plan->rounds && result == RESULT_OK; round++)
         result = fly_round(&timing, round);
@@ -126,6 +144,9 @@ Result accuracy_time(Accuracy *accuracy, int dem, Context *context) {
     destroy_renderers(&timing);
     if (result == RESULT_OK)
         result = accuracy_summarize_times(accuracy, dem, timing.times);
+    if (result == RESULT_OK)
+        summarize_beginnings(&timing);
     free(timing.times);
+    free(timing.prepare_ms);
     return result;
 }

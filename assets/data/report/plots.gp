@@ -13,12 +13,12 @@ dash(v) = KIND[v] > 0 ? 2 : 1
 SLOW = SOFTWARE ? "frame time, ms, by a software renderer" : "frame time, ms"
 
 # Logarithmic axes with a label at 1, 2, 3, 5 and 7 of each decade; and linear ones again.
-LOG_X = 'set logscale x; set xtics norotate (1 1); do for [e=-3:4] { do for [m in "1 2 3 5 7"] \
+LOG_X = 'set logscale x; set xtics norotate center (1 1); do for [e=-3:4] { do for [m in "1 2 3 5 7"] \
 { set xtics add (gprintf("%g", m*10.0**e) m*10.0**e) } }'
 LOG_Y = 'set logscale y; set ytics (1 1); do for [e=-4:7] { do for [m in "1 2 3 5 7"] \
 { set ytics add (gprintf(e < 3 ? "%g" : "%.0s%c", m*10.0**e) m*10.0**e) } }'
-TAU_X = 'set logscale x; set xtics norotate (1 1); do for [t=1:TAUS] { set xtics add (sprintf("%g", TAU[t]) TAU[t]) }'
-LINEAR = 'unset logscale; set xtics norotate autofreq; set ytics autofreq'
+TAU_X = 'set logscale x; set xtics norotate center (1 1); do for [t=1:TAUS] { set xtics add (sprintf("%g", TAU[t]) TAU[t]) }'
+LINEAR = 'unset logscale; set xtics norotate center autofreq; set ytics autofreq'
 
 set terminal svg size 820,500 dynamic font "sans-serif,13" rounded noenhanced
 set border 3 lc rgb INK lw 1
@@ -87,7 +87,7 @@ do for [d=1:DEMS] {
     set title DEM[d].sprintf(": along the flights, tau %g px", TAU_SHOWN)
     set xlabel ""
     set ylabel "measured error, px"
-    set xtics norotate ("" 0)
+    set xtics norotate center ("" 0)
     do for [f=1:FLIGHTS] { set xtics add (FLIGHT[f] (f - 0.5) * FRAMES) }
     do for [f=1:FLIGHTS-1] { set arrow f from f * FRAMES - 0.5, graph 0 to f * FRAMES - 0.5, graph 1 nohead lc rgb INK lw 0.5 }
     eval LOG_Y
@@ -106,7 +106,7 @@ do for [d=1:DEMS] {
     set terminal svg size 820,500 dynamic font "sans-serif,13" rounded noenhanced
 
     set output "times-".STEM[d].".svg"
-    set title DEM[d].sprintf(": distribution of frame times, tau %g px", TAU_SHOWN)
+    set title DEM[d].sprintf(": distribution of frame times, tau %g px, all rounds", TAU_SHOWN)
     set xlabel SLOW
     set ylabel "share of the frames that take at most so long"
     set yrange [0:1.02]
@@ -124,7 +124,9 @@ do for [d=1:DEMS] {
     set yrange [0:*]
     set boxwidth 0.7/TARGETS
     plot 0 with lines lc rgb INK lw 0.5 notitle, for [t=1:TARGETS] $equal index (d-1)*TARGETS+t-1 using ($1+(t-(TARGETS+1)/2.0)*0.8/TARGETS):2 with boxes \
-        fs solid 0.85 noborder lc rgb colour(t) title sprintf("%g px", TARGET[t])
+        fs solid 0.85 noborder lc rgb colour(t) title sprintf("%g px", TARGET[t]), \
+        for [t=1:TARGETS] $equal index (d-1)*TARGETS+t-1 using ($1+(t-(TARGETS+1)/2.0)*0.8/TARGETS):2:3:4 \
+        with yerrorbars lc rgb INK lw 1 pt 0 notitle
     eval LINEAR
     set xrange [*:*]
     set yrange [*:*]
@@ -149,5 +151,5 @@ set xtics 1
 set key inside left top
 set offsets 0, 0, 0, 0
 set yrange [0:*]
-plot x with lines lc rgb INK dt 3 lw 1 title "ideal", for [m=1:METHODS] $workers index m-1 using 1:2 with linespoints \
-    lc rgb colour(m) pt point(m) lw 1.5 title METHOD[m]
+plot x with lines lc rgb INK dt 3 lw 1 title "ideal", for [m=1:METHODS] $workers index m-1 using 1:2:3:4 \
+    with yerrorlines lc rgb colour(m) pt point(m) lw 1.5 title METHOD[m]
