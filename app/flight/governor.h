@@ -56,6 +56,7 @@ typedef struct Governor {
     double still_s;                // since the view moved last
     double search_s;               // the same, but of a frame not more than the target
     int still_frames, slow_frames; // since then; that took more than twice the target
+    double leapt_px;               // whose first frame took so long that it led straight to a coarse one; 0: none did
     double probe_px;               // the tolerance tried in a still view; what its frames cost:
     double costs[GOVERNOR_PROBE_MOST];
     int cost_count, skipped;
