@@ -362,6 +362,23 @@ static void test_a_view_left_after_a_rest_is_followed_from_what_its_frames_cost_
     assert_true(p.governor.tau_px < before);
 }
 
+static void test_a_settled_view_whose_frames_take_longer_is_not_called_met(void **state) {
+    (void)state;
+    Plant p = plant_of(20.0, 1.0, 0.3, 1.0, 5);
+    draw(&p, true, true);
+    (void)let_settle(&p);
+    p.noise = 0.05;
+    check_stays(&p, 10.0, "a met target");
+    assert_int_equal(p.governor.reach, GOVERNOR_IN_REACH);
+    p.fixed_ms += 12.0;
+    check_stays(&p, 2.0, "a target no longer met");
+    assert_int_equal(p.governor.reach, GOVERNOR_NOT_MET);
+    assert_false(governor_is_out_of_reach(p.governor.reach));
+    p.fixed_ms -= 12.0;
+    check_stays(&p, 10.0, "a target met again");
+    assert_int_equal(p.governor.reach, GOVERNOR_IN_REACH);
+}
+
 static void test_what_is_out_of_reach_does_not_flicker(void **state) {
     (void)state;
     Governor g = governor_create(20.0, 2.0);
@@ -438,6 +455,7 @@ int main(void) {
         cmocka_unit_test(test_another_target_is_found_and_kept),
         cmocka_unit_test(test_another_method_is_met_as_a_new_flight_is),
         cmocka_unit_test(test_a_view_left_after_a_rest_is_followed_from_what_its_frames_cost_now),
+        cmocka_unit_test(test_a_settled_view_whose_frames_take_longer_is_not_called_met),
         cmocka_unit_test(test_what_is_out_of_reach_does_not_flicker),
         cmocka_unit_test(test_slow_frames_are_told_of_once),
         cmocka_unit_test(test_frames_that_tell_nothing_change_nothing),

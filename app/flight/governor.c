@@ -36,10 +36,13 @@
 #define ELASTICITY_MIN 0.15 // nearly all of the cost is fixed: more would be noise
 #define SLOW 2.0            // times the target; once SLOW_FRAMES take longer a frame counts as the target
 #define SLOW_FRAMES 10
-#define HOPELESS 2.0    // times the set point
-#define LEAPT_FRAMES 14 // then in place of GOVERNOR_SETTLE_FRAMES
-#define NARROW 0.03     // a bracket that is not worth halving
-#define INSIDE 0.15     // of a bracket: how near to its ends the next try may be
+#define HOPELESS 2.0      // times the set point
+#define LEAPT_FRAMES 14   // then in place of GOVERNOR_SETTLE_FRAMES
+#define MISSED_NEWS 0.025 // share of a frame in `missed`
+#define MISSED_FROM 0.1   // a few frames by chance are not enough
+#define MISSED_TO 0.05
+#define NARROW 0.03 // a bracket that is not worth halving
+#define INSIDE 0.15 // of a bracket: how near to its ends the next try may be
 
 static double clamp(double x, double least, double most) {
     return fmin(fmax(x, least), most);
@@ -50,8 +53,12 @@ static double within_limits(double tau_px) {
 }
 
 const char *governor_reach_name(GovernorReach reach) {
-    static const char *const names[] = {"in reach", "too slow", "too fast"};
+    static const char *const names[] = {"in reach", "too slow", "too fast", "not met"};
     return names[reach];
+}
+
+bool governor_is_out_of_reach(GovernorReach reach) {
+    return reach == GOVERNOR_TOO_SLOW || reach == GOVERNOR_TOO_FAST;
 }
 
 static void forget_view(Governor *g) {
@@ -182,6 +189,17 @@ static void follow(Governor *g, const GovernorFrame *frame, double wish) {
 static void settle(Governor *g, GovernorReach reach) {
     g->settled = true;
     g->reach = reach;
+    g->missed = 0.0;
+}
+
+// The tolerance stays, whatever frames cost; but nobody is to be told that the target is met when it is not.
+static void watch_settled(Governor *g, const GovernorFrame *frame) {
+    double late = frame->cost_ms > GOVERNOR_PROMISE * g->target_ms ? 1.0 : 0.0;
+    g->missed += (late - g->missed) * MISSED_NEWS;
+    if (g->reach == GOVERNOR_IN_REACH && g->missed > MISSED_FROM)
+        g->reach = GOVERNOR_NOT_MET;
+    else if (g->reach == GOVERNOR_NOT_MET && g->missed < MISSED_TO)
+        g->reach = GOVERNOR_IN_REACH;
 }
 
 // The probes' own line through two of them, in logarithms; without two, the usual one through the last.
@@ -355,7 +373,9 @@ double governor_hear(Governor *g, const GovernorFrame *frame) {
         leap(g, frame);
         confirm_leap(g, frame);
     }
-    if (is_still(g))
+    if (g->settled && heard)
+        watch_settled(g, frame);
+    else if (is_still(g))
         search(g, frame, heard);
     else if (heard)
         follow(g, frame, wish);
