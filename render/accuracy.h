@@ -45,6 +45,7 @@ typedef struct RenderAccuracy {
     bool show;
     uint64_t revision; // the same: nothing below has changed; 0: it may have
     RenderAccuracyError error;
+    bool slope_known; // points that are not flown follow from frames; else from what nobody can doubt alone
     int point_count;
     RenderAccuracyPoint points[RENDER_ACCURACY_POINTS]; // ascending by tau_px
     double tau_px, frame_ms;                            // of the last frames; NaN: none

@@ -85,6 +85,7 @@ typedef struct RenderHud {
     double frame_ms, frame_p99_ms; // of the last seconds, whole frames
     double target_ms;              // that the tolerance is moved to hold a frame to; 0: it is not
     bool target_out_of_reach;      // with no tolerance
+    bool target_missed;            // with the one that was settled on
     const RenderHelpRow *help;     // the page of keys, help_count rows; static
     int help_count;
     const char *message; // one line for a few seconds, or NULL; lives as long as the packet

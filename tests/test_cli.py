@@ -396,9 +396,12 @@ def the_governor_is_measured(cli):
     report = cli.json("bench", "governor", *SMALL, "--frames", "60", "--target-ms", "15", "--max-triangles", "20000")
     expect("target", (report["target_ms"], report["target_picked"]), (15, False))
     for part in ("ridge", "fixed"):
-        for name in ("frame_ms", "p95_over_target", "within_15_percent", "reachable", "tau_px", "reversals"):
+        for name in ("frame_ms", "p95_over_target", "within_15_percent", "reachable", "reach", "tau_px", "reversals"):
             if name not in report[part]:
                 raise Fault(f"{part}: no {name}")
+        over = report[part]["p95_over_target"]
+        if report[part]["reachable"] and not over <= 1.15:
+            raise Fault(f"{part}: called reachable with {over} of the target")
     expect("changes of a view that stands", report["fixed"]["changes_settled"], 0)
 
 

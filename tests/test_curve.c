@@ -65,6 +65,9 @@ static void a_flight_of_one_tolerance_leaves_the_slope_open(void **state) {
                   1e3 * slope.most_ms);
     assert_true(slope.least_ms <= 0.0002 && slope.most_ms >= 0.0002);
     assert_true(slope.most_ms - slope.least_ms > 0.0001);
+    assert_false(slope.known);
+    now_ns = fly(&curve, 100, 1500, 1.1) * FRAME_NS; // many frames, but hardly another number of triangles
+    assert_false(curve_slope(&curve, now_ns).known);
 }
 
 static void two_tolerances_tell_what_a_triangle_costs(void **state) {
@@ -78,6 +81,7 @@ static void two_tolerances_tell_what_a_triangle_costs(void **state) {
     assert_true(fabs(slope.ms - 0.0002) < 0.00002);
     assert_true(slope.least_ms <= 0.0002 && slope.most_ms >= 0.0002);
     assert_true(slope.most_ms - slope.least_ms < 0.0001);
+    assert_true(slope.known);
 }
 
 // What was sampled is near what those tolerances take, and passes through the present point.

@@ -22,6 +22,7 @@ typedef struct Plant {
     double spikes;                    // share of frames that take 8 times as long
     double asked_px[DELAY];
     double time_s, excess_s; // since the start; of it in spikes
+    double late_s;           // in frames ordered before the first was heard, without spikes
     uint64_t random;
     bool hurries; // the governor may change the tolerance fast
 } Plant;
@@ -59,8 +60,9 @@ static void check_step(const Plant *p, double before, const GovernorFrame *frame
     double rate = hurries ? GOVERNOR_RATE_FINDING : GOVERNOR_RATE_MOVING;
     if (!isfinite(after) || after < GOVERNOR_TAU_MIN_PX || after > GOVERNOR_TAU_MAX_PX)
         fail_msg("tau %g px", after);
-    // A still view's last step, when its time is up, is the exception.
-    if (!p->governor.settled &&
+    // The exceptions: a still view's last step, when its time is up, and the leap from a first frame that is hopeless.
+    bool leaps = p->governor.wishes == 1 && frame->cost_ms > 1.6 * p->governor.target_ms;
+    if (!p->governor.settled && !leaps &&
         fabs(log(after / before)) > log(rate) * fmin(frame->passed_s, 1.0) + log(GOVERNOR_STEP) + 1e-9)
         fail_msg("from %g to %g px in %g s", before, after, frame->passed_s);
 }
@@ -90,8 +92,11 @@ static double draw(Plant *p, bool moved, bool another) {
 // Until it settles: how long that takes, without the spikes.
 static double let_settle(Plant *p) {
     double begin_s = p->time_s - p->excess_s;
-    for (int i = 0; i < 1000 && !p->governor.settled; i++)
+    for (int i = 0; i < 1000 && !p->governor.settled; i++) {
         draw(p, false, false);
+        if (i == DELAY - 1)
+            p->late_s = p->time_s - p->excess_s - begin_s;
+    }
     return p->time_s - p->excess_s - begin_s;
 }
 
@@ -118,13 +123,13 @@ static double true_p95(const Plant *p) {
     return plain_cost(p, p->governor.tau_px) * exp(1.645 * p->noise) / p->governor.target_ms;
 }
 
-// Where the first frames take much longer than the target there are fewer of them in the same time: so much longer.
-static void check_settled(const Plant *p, int seed, double start, double settled_s) {
-    double p95 = true_p95(p);
-    if (!p->governor.settled || settled_s > 2.0 * fmax(1.0, start / 1.5))
-        fail_msg("seed %d, target %.1f ms, from %.2f of it: settled after %.2f s", seed, p->governor.target_ms, start,
-                 settled_s);
-    if (p95 < 0.7 || p95 > 1.4)
+// Two seconds, and what is on its way when the first frame tells that it takes hopelessly long.
+static void check_settled(const Plant *p, int seed, double start, double settled_s, double most) {
+    double p95 = true_p95(p), late_s = start > 1.5 ? p->late_s : 0.0;
+    if (!p->governor.settled || settled_s > 2.0 + late_s)
+        fail_msg("seed %d, target %.1f ms, from %.2f of it: settled after %.2f s, %.2f s of it on their way", seed,
+                 p->governor.target_ms, start, settled_s, late_s);
+    if (p95 < 0.7 || p95 > most)
         fail_msg("seed %d, target %.1f ms: 95 of 100 frames within %.2f of it", seed, p->governor.target_ms, p95);
 }
 
@@ -136,7 +141,7 @@ static void test_a_still_view_settles_within_two_seconds_and_stays(void **state)
             Plant p = plant_of_seed(TARGETS_MS[t], seed);
             double start = plain_cost(&p, 1.0) / TARGETS_MS[t];
             draw(&p, true, true);
-            check_settled(&p, seed, start, let_settle(&p));
+            check_settled(&p, seed, start, let_settle(&p), 1.4);
             double p95 = true_p95(&p);
             off += p95 < 0.85 || p95 > 1.15;
             check_stays(&p, seed < 12 ? 600.0 : 30.0, "a still view");
@@ -144,6 +149,34 @@ static void test_a_still_view_settles_within_two_seconds_and_stays(void **state)
     }
     print_message("seeds 0..%d: %d of %d still views outside 15 %%\n", SEEDS - 1, off, runs);
     assert_true(off < runs / 12);
+}
+
+// The first frame takes `start_ms`; whether the settled view is off its target. Where 64 px is too slow: not.
+static bool settles_from(double start_ms, double target_ms, int seed) {
+    double share = 0.2 * (seed / 20 % 4), power = POWERS[seed % 4];
+    double tau_px = pow((start_ms / target_ms - share) / (1.0 - share), 1.0 / power);
+    if (tau_px > 0.8 * GOVERNOR_TAU_MAX_PX)
+        return false;
+    Plant p = plant_of(target_ms, tau_px, share, power, seed);
+    p.noise = seed % 3 * 0.05;
+    p.spikes = seed % 2 * 0.01;
+    draw(&p, true, true);
+    check_settled(&p, seed, start_ms / target_ms, let_settle(&p), 1.7);
+    double p95 = true_p95(&p);
+    check_stays(&p, 5.0, "a view that was hopelessly slow");
+    return p95 < 0.85 || p95 > 1.15;
+}
+
+static void test_a_hopelessly_slow_view_settles_as_soon(void **state) {
+    (void)state;
+    static const double STARTS_MS[] = {300.0, 600.0, 1000.0, 3000.0};
+    int off = 0;
+    for (size_t i = 0; i < COUNT_OF(STARTS_MS); i++)
+        for (size_t t = 0; t < COUNT_OF(TARGETS_MS); t++)
+            for (int seed = 0; seed < SEEDS; seed++)
+                off += settles_from(STARTS_MS[i], TARGETS_MS[t], seed);
+    print_message("%d of %zu outside 15 %%\n", off, COUNT_OF(STARTS_MS) * COUNT_OF(TARGETS_MS) * SEEDS);
+    assert_true(off < 160);
 }
 
 static int by_size(const void *a, const void *b) {
@@ -329,6 +362,23 @@ static void test_a_view_left_after_a_rest_is_followed_from_what_its_frames_cost_
     assert_true(p.governor.tau_px < before);
 }
 
+static void test_a_settled_view_whose_frames_take_longer_is_not_called_met(void **state) {
+    (void)state;
+    Plant p = plant_of(20.0, 1.0, 0.3, 1.0, 5);
+    draw(&p, true, true);
+    (void)let_settle(&p);
+    p.noise = 0.05;
+    check_stays(&p, 10.0, "a met target");
+    assert_int_equal(p.governor.reach, GOVERNOR_IN_REACH);
+    p.fixed_ms += 12.0;
+    check_stays(&p, 2.0, "a target no longer met");
+    assert_int_equal(p.governor.reach, GOVERNOR_NOT_MET);
+    assert_false(governor_is_out_of_reach(p.governor.reach));
+    p.fixed_ms -= 12.0;
+    check_stays(&p, 10.0, "a target met again");
+    assert_int_equal(p.governor.reach, GOVERNOR_IN_REACH);
+}
+
 static void test_what_is_out_of_reach_does_not_flicker(void **state) {
     (void)state;
     Governor g = governor_create(20.0, 2.0);
@@ -395,6 +445,7 @@ static void test_frames_that_tell_nothing_change_nothing(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_still_view_settles_within_two_seconds_and_stays),
+        cmocka_unit_test(test_a_hopelessly_slow_view_settles_as_soon),
         cmocka_unit_test(test_a_moving_view_keeps_the_95th_percentile_within_15_percent),
         cmocka_unit_test(test_a_jump_of_the_scene_is_followed_smoothly),
         cmocka_unit_test(test_spikes_are_not_followed),
@@ -404,6 +455,7 @@ int main(void) {
         cmocka_unit_test(test_another_target_is_found_and_kept),
         cmocka_unit_test(test_another_method_is_met_as_a_new_flight_is),
         cmocka_unit_test(test_a_view_left_after_a_rest_is_followed_from_what_its_frames_cost_now),
+        cmocka_unit_test(test_a_settled_view_whose_frames_take_longer_is_not_called_met),
         cmocka_unit_test(test_what_is_out_of_reach_does_not_flicker),
         cmocka_unit_test(test_slow_frames_are_told_of_once),
         cmocka_unit_test(test_frames_that_tell_nothing_change_nothing),

@@ -265,6 +265,7 @@ static RenderAccuracy extreme_accuracy(void) {
                                                                 .most_ms = 99999.0f,
                                                                 .freshness = (float)i / RENDER_ACCURACY_POINTS,
                                                                 .flown = i % 3 == 0};
+    told.slope_known = true;
     told.tau_px = 0.013;
     told.frame_ms = told.p50_ms = told.p99_ms = 12345.6;
     told.seconds = 60.0;
@@ -512,6 +513,8 @@ static void accuracy_is_painted_whatever_it_is_told(void **state) {
         int full = count_accuracy_shapes(bench, &told, SIZES[i][0], SIZES[i][1]);
         print_message("%dx%d: %d shapes for nothing, %d for much\n", SIZES[i][0], SIZES[i][1], empty, full);
         assert_true(empty > 40 && full > empty);
+        told.slope_known = false; // no line through what was only guessed
+        assert_true(count_accuracy_shapes(bench, &told, SIZES[i][0], SIZES[i][1]) < full);
         for (size_t k = 0; k < COUNT_OF(NUMBERS); k++)
             for (int where = 0; where < 4; where++) {
                 told = extreme_accuracy();

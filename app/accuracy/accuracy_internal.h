@@ -34,6 +34,8 @@ uint64_t accuracy_cut_outline(const LodCut *cut);
 
 // All rounds of one DEM's runs, interleaved.
 MUST_USE Result accuracy_time(Accuracy *accuracy, int dem, Context *context);
+// Logs how long all of it takes about, told what a round of the DEM took. What measuring fails with.
+MUST_USE Result accuracy_estimate(const Accuracy *accuracy, int dem, double round_s);
 // Every cut of one DEM's runs at every sample.
 MUST_USE Result accuracy_measure(Accuracy *accuracy, int dem);
 // Fill the summaries: times, [run of the DEM][round][pose]; then errors, after measuring. MEMORY.

@@ -138,8 +138,11 @@ Result accuracy_time(Accuracy *accuracy, int dem, Context *context) {
     if (result == RESULT_OK && context)
         result = create_renderers(&timing);
     timing.progress = progress_begin("timing");
-    for (int round = 0; round < plan->rounds && result == RESULT_OK; round++)
+    for (int round = 0; round < plan->rounds && result == RESULT_OK; round++) {
         result = fly_round(&timing, round);
+        if (result == RESULT_OK && round == 0 && dem == 0)
+            result = accuracy_estimate(accuracy, dem, (double)(clock_now_ns() - timing.progress.begin_ns) * 1e-9);
+    }
     progress_end(&timing.progress);
     destroy_renderers(&timing);
     if (result == RESULT_OK)

@@ -150,6 +150,9 @@ static void log_governor(const FlightSession *session) {
     if (governor->reach == GOVERNOR_IN_REACH)
         log_info("target %.1f ms: affords %.2f px%s", session->settings.target_ms, governor->tau_px,
                  governor->settled ? ", settled" : "");
+    else if (governor->reach == GOVERNOR_NOT_MET)
+        log_info("target %.1f ms: not met, though %.2f px was settled on; frames take longer than when it was",
+                 session->settings.target_ms, governor->tau_px);
     else
         log_info("target %.1f ms: out of reach, %s", session->settings.target_ms,
                  governor->reach == GOVERNOR_TOO_SLOW ? "too slow at any tolerance" : "faster at any tolerance");

@@ -36,6 +36,11 @@
 #define ELASTICITY_MIN 0.15 // nearly all of the cost is fixed: more would be noise
 #define SLOW 2.0            // times the target; once SLOW_FRAMES take longer a frame counts as the target
 #define SLOW_FRAMES 10
+#define HOPELESS 2.0      // times the set point
+#define LEAPT_FRAMES 14   // then in place of GOVERNOR_SETTLE_FRAMES
+#define MISSED_NEWS 0.025 // share of a frame in `missed`
+#define MISSED_FROM 0.1   // a few frames by chance are not enough
+#define MISSED_TO 0.05
 #define NARROW 0.03 // a bracket that is not worth halving
 #define INSIDE 0.15 // of a bracket: how near to its ends the next try may be
 
@@ -48,8 +53,12 @@ static double within_limits(double tau_px) {
 }
 
 const char *governor_reach_name(GovernorReach reach) {
-    static const char *const names[] = {"in reach", "too slow", "too fast"};
+    static const char *const names[] = {"in reach", "too slow", "too fast", "not met"};
     return names[reach];
+}
+
+bool governor_is_out_of_reach(GovernorReach reach) {
+    return reach == GOVERNOR_TOO_SLOW || reach == GOVERNOR_TOO_FAST;
 }
 
 static void forget_view(Governor *g) {
@@ -61,7 +70,7 @@ static void forget_view(Governor *g) {
     g->still_s = g->search_s = 0.0;
     g->slow = g->fast = (GovernorProbe){0};
     g->cost_count = g->skipped = 0;
-    g->probe_px = 0.0;
+    g->probe_px = g->leapt_px = 0.0;
 }
 
 static void begin_anew(Governor *g) {
@@ -180,6 +189,17 @@ static void follow(Governor *g, const GovernorFrame *frame, double wish) {
 static void settle(Governor *g, GovernorReach reach) {
     g->settled = true;
     g->reach = reach;
+    g->missed = 0.0;
+}
+
+// The tolerance stays, whatever frames cost; but nobody is to be told that the target is met when it is not.
+static void watch_settled(Governor *g, const GovernorFrame *frame) {
+    double late = frame->cost_ms > GOVERNOR_PROMISE * g->target_ms ? 1.0 : 0.0;
+    g->missed += (late - g->missed) * MISSED_NEWS;
+    if (g->reach == GOVERNOR_IN_REACH && g->missed > MISSED_FROM)
+        g->reach = GOVERNOR_NOT_MET;
+    else if (g->reach == GOVERNOR_NOT_MET && g->missed < MISSED_TO)
+        g->reach = GOVERNOR_IN_REACH;
 }
 
 // The probes' own line through two of them, in logarithms; without two, the usual one through the last.
@@ -209,6 +229,32 @@ static bool fits(const Governor *g, double cost) {
 static void try_at(Governor *g, double tau_px) {
     g->probe_px = within_limits(tau_px);
     g->cost_count = g->skipped = 0;
+}
+
+// ---- frames that take hopelessly long ----
+
+// Nothing is known, and frames take so long that few would tell of it in two seconds: the first goes straight to where
+// they are quick, and the search comes back from there.
+static void leap(Governor *g, const GovernorFrame *frame) {
+    double times = log(frame->cost_ms) - set_point(g);
+    double goal_px = within_limits(frame->tau_px * exp(times / ELASTICITY));
+    bool first = g->wishes == 1 && g->hurry_s > 0.0;
+    if (!first || times < log(HOPELESS) || is_budgeted(frame) || goal_px < g->tau_px * GOVERNOR_STEP)
+        return;
+    g->tau_px = g->goal_px = goal_px;
+    g->changes++;
+    g->slow = (GovernorProbe){log(frame->tau_px), log(frame->cost_ms), true};
+    g->leapt_px = frame->tau_px;
+}
+
+// Those that were on their way tell whether the first one was but an accident; the search's time begins after them.
+static void confirm_leap(Governor *g, const GovernorFrame *frame) {
+    if (frame->tau_px != g->leapt_px || g->fast.known || g->cost_count > 0)
+        return;
+    g->slow.cost = fmin(g->slow.cost, log(frame->cost_ms));
+    g->slow.known = g->slow.known && g->slow.cost > set_point(g);
+    g->still_s = g->search_s = 0.0;
+    g->still_frames = g->slow_frames = 0;
 }
 
 static void remember(Governor *g, const GovernorProbe *probe) {
@@ -278,7 +324,8 @@ static void settle_anyway(Governor *g, const GovernorFrame *frame) {
 
 static bool is_late(const Governor *g) {
     double passed_s = g->slow_frames < SLOW_FRAMES ? g->still_s : g->search_s; // few long frames do not tell enough
-    return passed_s >= GOVERNOR_SETTLE_S && g->still_frames >= GOVERNOR_SETTLE_FRAMES;
+    int least = g->leapt_px > 0.0 ? LEAPT_FRAMES : GOVERNOR_SETTLE_FRAMES;
+    return passed_s >= GOVERNOR_SETTLE_S && g->still_frames >= least;
 }
 
 static void search(Governor *g, const GovernorFrame *frame, bool heard) {
@@ -322,7 +369,13 @@ double governor_hear(Governor *g, const GovernorFrame *frame) {
     watch_view(g, frame);
     g->hurry_s = fmax(g->hurry_s - clamp(frame->passed_s, 0.0, g->target_ms * 1e-3), 0.0);
     double wish = heard && !g->settled ? learn(g, frame) : 0.0;
-    if (is_still(g))
+    if (heard && !g->settled) {
+        leap(g, frame);
+        confirm_leap(g, frame);
+    }
+    if (g->settled && heard)
+        watch_settled(g, frame);
+    else if (is_still(g))
         search(g, frame, heard);
     else if (heard)
         follow(g, frame, wish);

@@ -10,6 +10,7 @@
 #define GOVERNOR_RATE_FINDING 64.0 // and by this one on a still view, and in the first seconds of a flight or target
 #define GOVERNOR_SETTLE_S 1.75     // by then a still view keeps its tolerance, where frames keep GOVERNOR_SETTLE_FRAMES
 #define GOVERNOR_SETTLE_FRAMES 20
+#define GOVERNOR_PROMISE 1.15  // times the target, for 95 of 100 frames
 #define GOVERNOR_STEP 1.04     // factor between two tolerances while the view moves, at least
 #define GOVERNOR_RECENT 9      // frames whose median counts
 #define GOVERNOR_PROBE_MOST 21 // frames of one tolerance in a still view
@@ -28,8 +29,10 @@ typedef enum GovernorReach {
     GOVERNOR_IN_REACH,
     GOVERNOR_TOO_SLOW, // even GOVERNOR_TAU_MAX_PX takes longer than the target
     GOVERNOR_TOO_FAST, // GOVERNOR_TAU_MIN_PX, or all that the triangle budget allows, takes less
+    GOVERNOR_NOT_MET,  // it settled, and too many frames take longer than GOVERNOR_PROMISE times the target
 } GovernorReach;
 const char *governor_reach_name(GovernorReach reach); // "too slow"
+bool governor_is_out_of_reach(GovernorReach reach);   // at any tolerance
 
 // What a still view has shown at one tolerance. Logarithms.
 typedef struct GovernorProbe {
@@ -56,9 +59,11 @@ typedef struct Governor {
     double still_s;                // since the view moved last
     double search_s;               // the same, but of a frame not more than the target
     int still_frames, slow_frames; // since then; that took more than twice the target
+    double leapt_px;               // whose first frame took so long that it led straight to a coarse one; 0: none did
     double probe_px;               // the tolerance tried in a still view; what its frames cost:
     double costs[GOVERNOR_PROBE_MOST];
     int cost_count, skipped;
+    double missed;            // share of the latest frames since it settled that take longer than was promised
     GovernorProbe slow, fast; // nearest tolerances known to take too long, and not
 } Governor;
 

@@ -130,7 +130,8 @@ static RenderHud make_hud(const FlightSession *session, double frame_ms, double 
                        .datum = "EGM96",
                        .show_names = settings->show_flight && !settings->show_numbers,
                        .target_ms = settings->target_ms,
-                       .target_out_of_reach = session->governor.reach != GOVERNOR_IN_REACH,
+                       .target_out_of_reach = governor_is_out_of_reach(session->governor.reach),
+                       .target_missed = session->governor.reach == GOVERNOR_NOT_MET,
                        .frame_ms = frame_ms,
                        .frame_p99_ms = frame_p99_ms};
 }

@@ -10,6 +10,8 @@
 #define OUTLIER 3.0      // times the mean: a pause of the machine, not of the frame
 #define CORRELATION 4.0  // neighbouring frames resemble each other: so many tell as much as one
 #define TWO_SIGMA 2.0
+#define APART 1.3        // times the triangles: a slope can be told from frames so far apart
+#define KNOWN_WITHIN 0.5 // of what it may be at most: the width of what it may be, to be known
 
 double curve_sample_tau(int index) {
     return CURVE_LEAST_PX * exp2(0.5 * index);
@@ -108,7 +110,20 @@ static CurveSlope slope_of(const Moments *m, double most_ms) {
     double sigma = sqrt(1.0 / (prior_weight + weight));
     double best = (prior * prior_weight + slope * weight) / (prior_weight + weight);
     best = fmin(fmax(best, 0.0), most_ms);
-    return (CurveSlope){best, fmax(best - TWO_SIGMA * sigma, 0.0), fmin(best + TWO_SIGMA * sigma, most_ms)};
+    CurveSlope found = {best, fmax(best - TWO_SIGMA * sigma, 0.0), fmin(best + TWO_SIGMA * sigma, most_ms), false};
+    found.known = found.most_ms - found.least_ms <= KNOWN_WITHIN * most_ms;
+    return found;
+}
+
+static bool is_spread(const Curve *curve, int64_t now_ns) {
+    double least = INFINITY, most = 0.0;
+    for (int i = 0; i < CURVE_BINS; i++) {
+        if (!is_shown(&curve->bins[i], now_ns))
+            continue;
+        least = fmin(least, curve->bins[i].triangles);
+        most = fmax(most, curve->bins[i].triangles);
+    }
+    return most >= APART * least;
 }
 
 static const CurveBin *present_bin(const Curve *curve) {
@@ -122,8 +137,10 @@ CurveSlope curve_slope(const Curve *curve, int64_t now_ns) {
         return (CurveSlope){0};
     double most_ms = present->draw_ms / present->triangles;
     if (moments.weight <= 0.0)
-        return (CurveSlope){0.5 * most_ms, 0.0, most_ms};
-    return slope_of(&moments, most_ms);
+        return (CurveSlope){0.5 * most_ms, 0.0, most_ms, false};
+    CurveSlope slope = slope_of(&moments, most_ms);
+    slope.known = slope.known && is_spread(curve, now_ns);
+    return slope;
 }
 
 // ---- points ----

@@ -43,6 +43,7 @@ void curve_add_frame(Curve *curve, const PipelineFrame *frame);
 // than all the time shared out among the triangles, and in between as the frames of the flight tell.
 typedef struct CurveSlope {
     double ms, least_ms, most_ms; // a triangle
+    bool known;                   // frames of numbers of triangles far enough apart tell it
 } CurveSlope;
 CurveSlope curve_slope(const Curve *curve, int64_t now_ns);
 // Fills `out`, ascending, and returns how many: what was flown, and from the samples what else there is to have.

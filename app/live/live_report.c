@@ -26,6 +26,7 @@ static void add_measured(Json *parent, const RenderAccuracyError *error) {
 }
 
 static void add_curve(Json *parent, const RenderAccuracy *shown) {
+    json_add_bool(parent, "slope_known", shown->slope_known);
     Json *curve = json_add_array(parent, "curve");
     for (int i = 0; i < shown->point_count; i++) {
         const RenderAccuracyPoint *point = &shown->points[i];

@@ -193,6 +193,7 @@ static void refresh(Monitor *monitor, const WatchFindings *findings, int64_t now
     shown->revision++;
     shown->error = error_now(findings, &curve->last, now_ns);
     shown->point_count = curve_points(curve, now_ns, shown->points);
+    shown->slope_known = curve_slope(curve, now_ns).known;
     shown->tau_px = curve->last.tau_px;
     shown->frame_ms = history_present_ms(&monitor->history);
     history_summarise(&monitor->history, now_ns, shown);

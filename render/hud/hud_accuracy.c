@@ -217,6 +217,8 @@ static void paint_disc(const Board *board, CanvasPoint at, float radius_px, Canv
 static void paint_sample(const Board *board, const Chart *chart, const RenderAccuracyPoint *point) {
     float x = chart_x(chart, (double)point->tau_px), u = board->painter->layout.unit;
     CanvasColour colour = hud_faded(HUD_INK, 0.35 + 0.5 * (double)point->freshness);
+    if (!board->told->slope_known)
+        colour = hud_faded(colour, 0.55);
     paint_thin(board, x, chart_y(chart, (double)point->most_ms), x, chart_y(chart, (double)point->least_ms),
                hud_faded(colour, 0.55));
     if (is_in_chart(chart, (double)point->tau_px, (double)point->frame_ms))
@@ -229,7 +231,7 @@ static bool is_usable(const RenderAccuracyPoint *point) {
            isfinite(point->most_ms) && isfinite(point->freshness);
 }
 
-// Through the samples, from one to the next.
+// Through the samples, from one to the next, once frames tell how they lie; till then they are guesses, and no line.
 static void paint_curve(const Board *board, const Chart *chart) {
     const RenderAccuracyPoint *before = NULL;
     for (int i = 0; i < board->told->point_count; i++) {
@@ -239,7 +241,7 @@ static void paint_curve(const Board *board, const Chart *chart) {
         if (!sampled)
             continue;
         CanvasPoint at = {chart_x(chart, (double)point->tau_px), chart_y(chart, (double)point->frame_ms)};
-        if (before) {
+        if (before && board->told->slope_known) {
             CanvasPoint from = {chart_x(chart, (double)before->tau_px), chart_y(chart, (double)before->frame_ms)};
             canvas_line(board->painter->canvas, from, at, 1.2f * board->painter->layout.unit, hud_faded(HUD_INK, 0.55));
         }

@@ -101,12 +101,12 @@ static void add_times(Rows *rows, const Side *side, bool software) {
 // Beside what the tolerance affords: what for. Takes the place of the slowest frames, so that no panel grows.
 static void add_target(Rows *rows, const RenderHud *hud) {
     char name[64];
-    if (!hud->target_out_of_reach) {
+    if (!hud->target_out_of_reach && !hud->target_missed) {
         add_number(rows, "target", hud->target_ms, 1, "ms");
         return;
     }
     snprintf(name, sizeof name, "target %.1f ms", hud->target_ms);
-    add_row(rows, name, "out of reach", "", HUD_WARN);
+    add_row(rows, name, hud->target_missed ? "not met" : "out of reach", "", HUD_WARN);
 }
 
 static void add_frame(Rows *rows, const RenderHud *hud) {
