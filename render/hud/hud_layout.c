@@ -17,7 +17,7 @@
 #define REPLAY_WIDTH 620.0f
 #define REPLAY_TIMES_EM 10.2f   // of text: "00:00:00 / 00:00:00"
 #define REPLAY_STATE_EM 6.8f    // "not recorded"
-#define REPLAY_DERIVED_EM 16.0f // "attitude derived, not recorded"
+#define REPLAY_DERIVED_EM 12.6f // "attitude derived, paused"
 #define TITLE_ALONE 23.0f       // of a title's height with its distance, right above a readout
 
 static CanvasRect rect_round(CanvasRect rect) {

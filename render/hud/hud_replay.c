@@ -46,7 +46,7 @@ void hud_paint_replay(const HudPainter *painter, const RenderReplay *replay) {
     write_time(replay->duration_s, all);
     snprintf(times, sizeof times, "%s / %s", now, all);
     write_state(replay, rate);
-    snprintf(state, sizeof state, "%s%s", replay->derived ? "attitude derived, " : "", rate);
+    snprintf(state, sizeof state, "%s%s", replay->derived && !replay->in_gap ? "attitude derived, " : "", rate);
     canvas_box(painter->canvas, plate, 4.0f * u, HUD_PLATE_DENSE);
     float y = hud_baseline(painter, 0.5f * (plate.y0 + plate.y1), size);
     bool has_bar = bar.x1 > bar.x0;
