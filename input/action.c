@@ -67,19 +67,49 @@ Action action_of_key(int key, bool shift) {
 
 static const struct {
     int key;
+    unsigned modifiers; // that must be down
     Action action;
 } replay_bindings[] = {
-    {KEY_LEFT, ACTION_REPLAY_BACK},           {KEY_RIGHT, ACTION_REPLAY_AHEAD}, {KEY_UP, ACTION_REPLAY_FASTER},
-    {KEY_DOWN, ACTION_REPLAY_SLOWER},         {' ', ACTION_REPLAY_PLAY},        {KEY_BACKSPACE, ACTION_REPLAY_TURN},
-    {KEY_HOME, ACTION_REPLAY_START},          {KEY_END, ACTION_REPLAY_END},     {KEY_ENTER, ACTION_REPLAY_TAKE_OVER},
-    {KEY_PAD_ENTER, ACTION_REPLAY_TAKE_OVER},
+    {KEY_LEFT, KEY_CONTROL, ACTION_REPLAY_BACK_FAR},
+    {KEY_RIGHT, KEY_CONTROL, ACTION_REPLAY_AHEAD_FAR},
+    {KEY_LEFT, KEY_SHIFT, ACTION_REPLAY_BACK_MINUTE},
+    {KEY_RIGHT, KEY_SHIFT, ACTION_REPLAY_AHEAD_MINUTE},
+    {KEY_LEFT, 0, ACTION_REPLAY_BACK},
+    {KEY_RIGHT, 0, ACTION_REPLAY_AHEAD},
+    {KEY_UP, 0, ACTION_REPLAY_FASTER},
+    {KEY_DOWN, 0, ACTION_REPLAY_SLOWER},
+    {' ', 0, ACTION_REPLAY_PLAY},
+    {KEY_BACKSPACE, 0, ACTION_REPLAY_TURN},
+    {KEY_HOME, 0, ACTION_REPLAY_START},
+    {KEY_END, 0, ACTION_REPLAY_END},
+    {KEY_ENTER, 0, ACTION_REPLAY_TAKE_OVER},
+    {KEY_PAD_ENTER, 0, ACTION_REPLAY_TAKE_OVER},
 };
 
-Action action_of_replay_key(int key) {
+Action action_of_replay_key(int key, unsigned modifiers) {
     for (size_t i = 0; i < COUNT_OF(replay_bindings); i++)
-        if (replay_bindings[i].key == key)
+        if (replay_bindings[i].key == key && (replay_bindings[i].modifiers & ~modifiers) == 0)
             return replay_bindings[i].action;
     return key >= '0' && key <= '9' ? ACTION_REPLAY_TENTH : ACTION_NONE;
+}
+
+double action_hop_s(Action action) {
+    switch (action) {
+    case ACTION_REPLAY_BACK:
+        return -5.0;
+    case ACTION_REPLAY_AHEAD:
+        return 5.0;
+    case ACTION_REPLAY_BACK_MINUTE:
+        return -60.0;
+    case ACTION_REPLAY_AHEAD_MINUTE:
+        return 60.0;
+    case ACTION_REPLAY_BACK_FAR:
+        return -600.0;
+    case ACTION_REPLAY_AHEAD_FAR:
+        return 600.0;
+    default:
+        return 0.0;
+    }
 }
 
 static const struct {

@@ -27,6 +27,9 @@
 #define KEY_PAD_8 328
 #define KEY_PAD_ENTER 335
 
+#define KEY_SHIFT 1u // modifiers, bits
+#define KEY_CONTROL 2u
+
 // clang-format off
 // X(identifier, keys for people, help). Held actions move a control for as long as their key is down; the others happen
 // once a press.
@@ -81,6 +84,10 @@
 #define ACTION_REPLAY_TABLE(X)                                                                                         \
     X(REPLAY_BACK, "Left", "5 s back")                                                                                 \
     X(REPLAY_AHEAD, "Right", "5 s ahead")                                                                              \
+    X(REPLAY_BACK_MINUTE, "Shift+Left", "1 min back")                                                                  \
+    X(REPLAY_AHEAD_MINUTE, "Shift+Right", "1 min ahead")                                                               \
+    X(REPLAY_BACK_FAR, "Ctrl+Left", "10 min back")                                                                     \
+    X(REPLAY_AHEAD_FAR, "Ctrl+Right", "10 min ahead")                                                                  \
     X(REPLAY_FASTER, "Up", "faster")                                                                                   \
     X(REPLAY_SLOWER, "Down", "slower")                                                                                 \
     X(REPLAY_PLAY, "Space", "play, pause")                                                                             \
@@ -105,7 +112,8 @@ typedef enum Action {
 // What the key does; ACTION_NONE: nothing.
 Action action_of_key(int key, bool shift);
 // The same of ACTION_REPLAY_TABLE.
-Action action_of_replay_key(int key);
+Action action_of_replay_key(int key, unsigned modifiers);
+double action_hop_s(Action action);     // that it goes along a replay, below 0: back; 0: it does not hop
 const char *action_keys(Action action); // "PgUp"
 const char *action_help(Action action);
 

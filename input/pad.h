@@ -38,6 +38,11 @@ typedef enum PadAxisKind {
 
 typedef enum PadBus { PAD_BUS_HID, PAD_BUS_USB } PadBus; // a node of hidraw; a wired gamepad that is not HID
 
+// Of an axis, as the device's own integers: least < most.
+typedef struct PadRange {
+    int64_t least, most;
+} PadRange;
+
 typedef struct PadInfo {
     PadBus bus;
     uint16_t vendor, product; // of USB
@@ -45,10 +50,12 @@ typedef struct PadInfo {
     char path[PAD_PATH_BYTES]; // of the node
     int axis_count, button_count, hat_count;
     PadAxisKind axes[PAD_AXES_MAX]; // in the order of the descriptor; two of a kind may be there
+    PadRange ranges[PAD_AXES_MAX];
 } PadInfo;
 
 typedef struct PadState {
     double axes[PAD_AXES_MAX];
+    uint32_t raw[PAD_AXES_MAX];             // as reported, also outside the range: see pad_raw
     uint32_t axes_unknown;                  // bit i: no report has told axis i yet, and its value means nothing
     uint64_t buttons[PAD_BUTTONS_MAX / 64]; // bit i of word i / 64: button i, from 0, is down
     int8_t hats[PAD_HATS_MAX];              // PAD_HAT_CENTRED, or 0 ahead, 1 ahead right .. 7
@@ -56,4 +63,6 @@ typedef struct PadState {
 
 // As before the first report: axes unknown, buttons up, hats centred.
 PadState pad_at_rest(void);
+// The integer that the device reported of an axis.
+int64_t pad_raw(const PadInfo *info, const PadState *state, int axis);
 const char *pad_axis_name(PadAxisKind kind);

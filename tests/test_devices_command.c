@@ -77,9 +77,9 @@ static void test_sticks_and_pads_are_listed_with_their_profile(void **state) {
     expect(text, "may be read and written");
     expect(text, "thrustmaster-t16000m.joystick");
     expect(text, "Nobody Pretended Pad (045e:028e)\n  node        /dev/bus/usb/001/003, USB\n");
-    expect(text, "  x            +1.000   aileron      +1.000\n");
-    expect(text, "  x                 ?   aileron           ?\n");
-    expect(text, "  brake        +1.000   brakes       +1.000\n");
+    expect(text, "  x           32767 of -32768..32767    +1.000   aileron      +1.000\n");
+    expect(text, "  x           ?                              ?   aileron           ?\n");
+    expect(text, "  brake       255 of 0..255             +1.000   brakes       +1.000\n");
     expect(text, "  hat 1       right   look-x +1.00\n");
     expect(text, "  11 buttons  1 (next view)\n");
 }
@@ -94,6 +94,7 @@ static void test_json_tells_the_same(void **state) {
     expect(text, "\"readable\":\ttrue");
     expect(text, "\"udev_rule\":\t\"SUBSYSTEM==\\\"usb\\\"");
     expect(text, "\"raw\":\tnull");
+    expect(text, "\"raw_value\":\tnull,\n\t\t\t\t\t\"raw_min\":\t-32768,\n\t\t\t\t\t\"raw_max\":\t32767");
 }
 
 static void test_a_node_that_may_not_be_read_is_told_with_its_remedy(void **state) {
@@ -132,8 +133,8 @@ static void test_watching_prints_a_line_for_what_changes(void **state) {
     sleep_ms(300);
     fake_stick_unplug(stick);
     finish(pipe, text);
-    expect(text, "/dev/hidraw0: x +0.500 (aileron ");
-    expect(text, " y -1.000 (elevator -1.000)");
+    expect(text, "/dev/hidraw0: x 49151 of 0..65535: +0.500 (aileron ");
+    expect(text, " y 0 of 0..65535: -1.000 (elevator -1.000)");
     expect(text, " hat 2 button 1 button 8\n");
     expect(text, "/dev/hidraw0: Nobody Pretended Stick left\n");
 }
@@ -231,7 +232,7 @@ static void test_calibrating_learns_shows_and_keeps(void **state) {
     read_kept(&person, kept);
     expect(kept, "[044f:b10a]\nx = ");
     expect(kept, "slider = ");
-    expect(text, "x +0.900 (aileron +1.000)");
+    expect(text, "x 62258 of 0..65535: +0.900 (aileron +1.000)");
 }
 
 static void test_an_axis_that_was_held_has_no_centre_and_is_not_kept(void **state) {

@@ -2,6 +2,7 @@
 #define _GNU_SOURCE // RUSAGE_THREAD
 #include "tests/device_fixture.h"
 
+#include "input/devices/devices_usb.h"
 #include "input/devices/xbox_report.h"
 #include "tests/heard.h"
 
@@ -195,6 +196,45 @@ static void test_a_pad_that_another_program_holds_is_said_once_and_read_when_it_
     assert_true(arrived && more.slot == event.slot);
 }
 
+static void expect_one_event(DeviceQueue *queue, DeviceEventKind kind, int slot) {
+    DeviceEvent event = {.slot = -1};
+    int count = 0;
+    int64_t until_ns = clock_now_ns() + 20 * INT64_C(1000000000);
+    while ((count = device_queue_take(queue, &event, 1)) == 0 && clock_now_ns() < until_ns)
+        device_fixture_sleep_ms(5);
+    assert_int_equal(count, 1);
+    assert_true(event.kind == kind && event.slot == slot);
+}
+
+static void test_a_pad_too_many_arrives_when_another_leaves(void **state) {
+    DeviceFixture *fixture = *state;
+    DeviceQueue *queue;
+    UsbSource *source;
+    PadInfo other = {.bus = PAD_BUS_HID};
+    Heard heard;
+    devices_destroy(&fixture->devices);
+    assert_int_equal(device_queue_create(&queue), RESULT_OK);
+    for (int slot = 0; slot < DEVICES_MAX; slot++) {
+        assert_int_equal(device_queue_join(queue, &other, 0), slot);
+        expect_one_event(queue, DEVICE_ARRIVED, slot);
+    }
+    FakePad *pad = fake_pad_plug(fixture->bed, 3, FAKE_KERNEL);
+    heard_begin(&heard);
+    assert_int_equal(usb_source_create(queue, &source), RESULT_OK);
+    while (!usb_source_looked(source))
+        device_fixture_sleep_ms(5);
+    heard_end();
+    print_message("said: %s", heard.text);
+    assert_true(heard.warnings == 1 && strstr(heard.text, "16 devices are there already"));
+    assert_true(fake_pad_is_with_kernel(pad));
+    device_queue_leave(queue, 3);
+    expect_one_event(queue, DEVICE_LEFT, 3);
+    expect_one_event(queue, DEVICE_ARRIVED, 3);
+    assert_false(fake_pad_is_with_kernel(pad));
+    usb_source_destroy(&source);
+    device_queue_destroy(&queue);
+}
+
 static void send_x(void *pad, double x) {
     send(pad, (FakePadHands){.left_x = x});
 }
@@ -253,6 +293,7 @@ int main(void) {
         DEVICE_TEST(test_motors_stop_when_the_program_ends),
         DEVICE_TEST(test_the_kernel_lends_a_pad_and_gets_it_back),
         DEVICE_TEST(test_a_pad_that_another_program_holds_is_said_once_and_read_when_it_lets_go),
+        DEVICE_TEST(test_a_pad_too_many_arrives_when_another_leaves),
         DEVICE_TEST(test_a_report_is_an_event_within_a_step),
         DEVICE_TEST(test_a_poll_does_not_wait_while_devices_come_and_go),
         DEVICE_TEST(test_nobody_polls_and_the_newest_reports_are_kept),

@@ -49,6 +49,15 @@ static void expect_axis(const PadState *state, int axis, double value, double gr
         fail_msg("axis %d: %.15g, expected %.15g", axis, state->axes[axis], expected);
 }
 
+static void expect_raw(const HidDescriptor *descriptor, const PadState *state, int axis, int64_t value, int64_t least,
+                       int64_t most) {
+    PadInfo info = {.bus = PAD_BUS_HID};
+    hid_describe(descriptor, &info);
+    assert_int_equal(pad_raw(&info, state, axis), value);
+    assert_int_equal(info.ranges[axis].least, least);
+    assert_int_equal(info.ranges[axis].most, most);
+}
+
 static void expect_hat(const PadState *state, int direction) {
     if (state->hats[0] != direction)
         fail_msg("hat: %d, expected %d", state->hats[0], direction);
@@ -322,6 +331,9 @@ static void numbers_are_signed_when_the_minimum_is(void **state) {
     expect_axis(&pad, 0, 0, 4095);
     expect_axis(&pad, 1, 255, 255);
     expect_axis(&pad, 2, 0, 4294967295.0);
+    expect_raw(&descriptor, &pad, 0, -2048, -2048, 2047);
+    expect_raw(&descriptor, &pad, 1, 255, 0, 255);
+    expect_raw(&descriptor, &pad, 2, INT32_MIN, INT32_MIN, INT32_MAX);
     pad = decoded(&descriptor, BYTES(0xf0, 0xff, 0x80, 0xff, 0xff, 0xff, 0x7f));
     expect_axis(&pad, 0, 2047, 4095); // -1 is 2047 steps above -2048
     expect_axis(&pad, 1, 128, 255);
@@ -334,6 +346,7 @@ static void a_value_outside_its_range_is_clamped_or_no_change(void **state) {
         of_bytes(BYTES(JOYSTICK, 0x09, 0x30, 0x15, 0x0a, 0x25, 0x64, 0x75, 0x08, 0x95, 0x01, 0x81, 0x02, 0xc0));
     PadState pad = decoded(&clamps, BYTES(0xff));
     expect_axis(&pad, 0, 1, 1);
+    expect_raw(&clamps, &pad, 0, 255, 10, 100); // as it came
     pad = decoded(&clamps, BYTES(0x00));
     expect_axis(&pad, 0, 0, 1);
     HidDescriptor null =

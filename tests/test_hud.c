@@ -196,6 +196,26 @@ static void parts_do_not_overlap_at_any_size(void **state) {
     assert_int_equal(faults, 0);
 }
 
+static void the_replay_bar_is_taken_hold_of_where_it_lies(void **state) {
+    (void)state;
+    for (int width = HUD_WIDTH_LEAST; width <= 2048; width += 96) {
+        HudLayout layout = hud_layout_make(width, width * 5 / 8, false);
+        HudReplayPlace place = hud_layout_replay(&layout, width % 64 != 0);
+        double x0 = place.bar.x0, x1 = place.bar.x1, y = 0.5 * (place.bar.y0 + place.bar.y1);
+        assert_true(x0 >= place.plate.x0 && x1 <= place.plate.x1 && place.plate.y1 <= layout.message.y0);
+        assert_int_equal(hud_replay_is_on(&place, x0, y), x1 > x0);
+        assert_int_equal(hud_replay_is_on(&place, x1, place.plate.y0), x1 > x0);
+        assert_false(hud_replay_is_on(&place, x0 - place.inset, y)); // the times
+        assert_false(hud_replay_is_on(&place, x1 + place.inset, y));
+        assert_false(hud_replay_is_on(&place, x0, place.plate.y0 - 1.0));
+        assert_true(hud_replay_share(&place, x0 - 1e6) == 0.0 && hud_replay_share(&place, x0) == 0.0);
+        if (x1 > x0)
+            assert_true(fabs(hud_replay_share(&place, x0 + 0.75 * (x1 - x0)) - 0.75) < 1e-9 &&
+                        hud_replay_share(&place, x1 + 1e6) == 1.0);
+        assert_true(width < 1024 || x1 - x0 > 100.0);
+    }
+}
+
 // Under the panel of the left half, beside its circle, and in no way of the scales.
 static void accuracy_of_a_split_picture_does_not_overlap_at_any_size(void **state) {
     (void)state;
@@ -1035,6 +1055,7 @@ static void painting_allocates_nothing_after_warm_up(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(parts_do_not_overlap_at_any_size),
+        cmocka_unit_test(the_replay_bar_is_taken_hold_of_where_it_lies),
         cmocka_unit_test(accuracy_of_a_split_picture_does_not_overlap_at_any_size),
         cmocka_unit_test(accuracy_is_painted_whatever_it_is_told),
         cmocka_unit_test(the_present_point_moves_along_the_curve),

@@ -155,6 +155,23 @@ static void test_two_devices_fly_at_once(void **state) {
     assert_true(fabs(last.aileron + 1.0) < SIXTEEN_BITS && fabs(last.rudder + 1.0) < SIXTEEN_BITS);
 }
 
+static void test_pedals_that_leave_take_only_theirs_along(void **state) {
+    Cockpit *cockpit = FLY(state);
+    FakeStick *stick = cockpit_plug_stick(cockpit, 0, IDLE);
+    FakePad *pad = cockpit_plug_pad(cockpit, 3);
+    cockpit_fly(cockpit, 2);
+    cockpit_move_stick(cockpit, stick, FULL, 0.0, IDLE, -1, 0);
+    cockpit_move_pad(cockpit, pad, (FakePadHands){.right_x = -FULL, .left_trigger = 1.0});
+    cockpit_fly(cockpit, 1);
+    fake_pad_unplug(pad);
+    cockpit_wait(cockpit, DEVICE_LEFT, 1);
+    cockpit_fly(cockpit, 1);
+    print_message("on the screen: %s\n", cockpit->session->message);
+    assert_non_null(strstr(cockpit->session->message, "was unplugged, with it rudder, brake-left, brake-right"));
+    assert_null(strstr(cockpit->session->message, "the keyboard flies"));
+    assert_true(pilot_drives_stick(cockpit->session->pilot));
+}
+
 // Evenly to rest, and on without a pilot.
 static void expect_to_fly_on(Cockpit *cockpit, double aileron, double throttle) {
     for (int i = 1; i <= 60; i++) {
@@ -165,7 +182,8 @@ static void expect_to_fly_on(Cockpit *cockpit, double aileron, double throttle) 
     }
     print_message("on the screen: %s\n", cockpit->session->message);
     assert_non_null(strstr(cockpit->session->message, "Pretended")); // its maker is not always told
-    assert_non_null(strstr(cockpit->session->message, "was unplugged: the keyboard flies"));
+    assert_non_null(strstr(cockpit->session->message, "was unplugged, with it aileron"));
+    assert_non_null(strstr(cockpit->session->message, ": the keyboard flies"));
     assert_true(cockpit->session->message_s > 0.0);
     cockpit_fly(cockpit, 120 * 5);
     FlightInstruments now = flight_instruments(&cockpit->session->flight);
@@ -591,6 +609,7 @@ int main(void) {
         COCKPIT_TEST(test_a_stick_pulled_back_raises_the_nose),
         COCKPIT_TEST(test_the_throttle_is_picked_up_softly),
         COCKPIT_TEST(test_two_devices_fly_at_once),
+        COCKPIT_TEST(test_pedals_that_leave_take_only_theirs_along),
         COCKPIT_TEST(test_a_stick_that_is_unplugged_and_plugged_in_again_flies_on),
         COCKPIT_TEST(test_a_pad_that_is_unplugged_and_plugged_in_again_flies_on),
         COCKPIT_TEST(test_the_hat_looks_around),

@@ -16,6 +16,7 @@
 #include "app/aircraft/airframe.h"
 #include "app/aircraft/isa.h"
 #include "app/replay/replay_events.h"
+#include "render/hud/hud_layout.h"
 #include "terrain/geodesy.h"
 #include "tests/heard.h"
 #include "tests/replay_support.h"
@@ -106,10 +107,10 @@ static void keys_go_along_the_flight(void **state) {
     press(shown, KEY_RIGHT);
     expect_at(shown, 6.0);
     for (int i = 0; i < 3; i++) // held
-        session_on_repeat(session, KEY_RIGHT);
+        session_on_repeat(session, KEY_RIGHT, 0);
     expect_at(shown, 21.0);
     press(shown, KEY_LEFT);
-    session_on_repeat(session, KEY_LEFT);
+    session_on_repeat(session, KEY_LEFT, 0);
     expect_at(shown, 11.0);
     press(shown, KEY_END);
     expect_at(shown, 60.0);
@@ -122,6 +123,54 @@ static void keys_go_along_the_flight(void **state) {
         press(shown, '0' + tenth);
         expect_at(shown, 6.0 * tenth);
     }
+    end_show(shown);
+}
+
+// As if it were three hours long.
+static void keys_hop_minutes(void **state) {
+    Shown *shown = show(*state);
+    FlightSession *session = &shown->session;
+    Timeline *timeline = &session->timeline;
+    timeline->duration_s = 10800.0;
+    session_on_key(session, KEY_RIGHT, true, KEY_CONTROL);
+    assert_true(timeline->t_s == 600.0);
+    session_on_repeat(session, KEY_RIGHT, KEY_CONTROL);
+    assert_true(timeline->t_s == 1200.0);
+    session_on_key(session, KEY_LEFT, true, KEY_SHIFT);
+    assert_true(timeline->t_s == 1140.0);
+    session_on_key(session, KEY_RIGHT, true, KEY_SHIFT);
+    session_on_repeat(session, KEY_RIGHT, KEY_SHIFT);
+    assert_true(timeline->t_s == 1260.0);
+    session_on_key(session, KEY_LEFT, true, KEY_CONTROL | KEY_SHIFT);
+    assert_true(timeline->t_s == 660.0);
+    end_show(shown);
+}
+
+static void the_bar_is_clicked_and_dragged(void **state) {
+    Shown *shown = show(*state);
+    FlightSession *session = &shown->session;
+    HudLayout layout = hud_layout_make(1280, 800, false);
+    HudReplayPlace place = hud_layout_replay(&layout, false);
+    double left = place.bar.x0, length = place.bar.x1 - place.bar.x0, y = place.bar.y0;
+    session_on_pointer(session, left + 0.5 * length, 100.0, true, 1280, 800);
+    session_on_pointer(session, left + 0.5 * length, y, true, 1280, 800); // dragged there from elsewhere
+    session_advance(session, 1.0);
+    expect_at(shown, 1.0);
+    session_on_pointer(session, left + 0.5 * length, y, false, 1280, 800);
+    session_on_pointer(session, left + 0.25 * length, y, true, 1280, 800);
+    session_on_pointer(session, left + 0.5 * length, 100.0, true, 1280, 800); // held, above it too
+    session_advance(session, 1.0);
+    expect_at(shown, 30.0);
+    session_on_pointer(session, 5000.0, y, true, 1280, 800);
+    session_on_pointer(session, 0.0, y, true, 1280, 800);
+    session_on_pointer(session, 0.0, y, false, 1280, 800);
+    session_on_pointer(session, left + length, y, false, 1280, 800);
+    session_advance(session, 1.0);
+    expect_at(shown, 1.0);
+    session->settings.show_flight = false; // nor the bar
+    session_on_pointer(session, left + 0.5 * length, y, true, 1280, 800);
+    session_advance(session, 1.0);
+    expect_at(shown, 2.0);
     end_show(shown);
 }
 
@@ -150,7 +199,7 @@ static void keys_pause_and_turn_time_and_change_its_rate(void **state) {
                                           "1/4 \xC3\x97");
     session_advance(session, 4.0);
     expect_at(shown, 11.0);
-    session_on_repeat(session, KEY_UP); // which only hops take
+    session_on_repeat(session, KEY_UP, 0); // which only hops take
     assert_true(timeline_rate(&session->timeline) == -0.25);
     press(shown, KEY_BACKSPACE);
     session_advance(session, 1000.0);
@@ -812,6 +861,8 @@ static void the_map_shows_the_way_of_all_of_the_recording(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(keys_go_along_the_flight),
+        cmocka_unit_test(keys_hop_minutes),
+        cmocka_unit_test(the_bar_is_clicked_and_dragged),
         cmocka_unit_test(keys_pause_and_turn_time_and_change_its_rate),
         cmocka_unit_test(keys_that_fly_wait_until_somebody_takes_over),
         cmocka_unit_test(options_say_where_it_begins),

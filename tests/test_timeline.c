@@ -107,12 +107,12 @@ static void test_times_are_written_when_they_are_reached(void **state) {
 
 static void test_keys_of_a_replay_are_those_of_its_table(void **state) {
     (void)state;
-    assert_int_equal(action_of_replay_key(KEY_LEFT), ACTION_REPLAY_BACK);
-    assert_int_equal(action_of_replay_key(KEY_HOME), ACTION_REPLAY_START);
-    assert_int_equal(action_of_replay_key(' '), ACTION_REPLAY_PLAY);
+    assert_int_equal(action_of_replay_key(KEY_LEFT, 0), ACTION_REPLAY_BACK);
+    assert_int_equal(action_of_replay_key(KEY_HOME, KEY_SHIFT), ACTION_REPLAY_START);
+    assert_int_equal(action_of_replay_key(' ', 0), ACTION_REPLAY_PLAY);
     for (int key = '0'; key <= '9'; key++)
-        assert_int_equal(action_of_replay_key(key), ACTION_REPLAY_TENTH);
-    assert_int_equal(action_of_replay_key('V'), ACTION_NONE);
+        assert_int_equal(action_of_replay_key(key, 0), ACTION_REPLAY_TENTH);
+    assert_int_equal(action_of_replay_key('V', 0), ACTION_NONE);
     for (int action = ACTION_REPLAY_BACK; action < ACTION_COUNT; action++)
         assert_true(action_keys((Action)action)[0] && action_help((Action)action)[0]);
 }

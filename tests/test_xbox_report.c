@@ -64,6 +64,25 @@ static void test_axes_reach_their_ends_with_the_signs_of_a_hid_gamepad(void **st
     assert_true(fabs(pad.axes[XBOX_LEFT_TRIGGER] - 1.0) < 1e-12 && fabs(pad.axes[XBOX_RIGHT_TRIGGER] - 1.0) < 1e-12);
 }
 
+static void test_raw_values_are_those_of_the_report(void **state) {
+    (void)state;
+    uint8_t report[XBOX_REPORT_BYTES];
+    PadInfo info = {.bus = PAD_BUS_USB};
+    xbox_describe(&info);
+    rest(report);
+    report[4] = 200;
+    report[8] = 0x18; // -1000
+    report[9] = 0xfc;
+    PadState pad = decode(report);
+    assert_int_equal(pad_raw(&info, &pad, XBOX_LEFT_Y), -1000);
+    assert_int_equal(pad_raw(&info, &pad, XBOX_LEFT_X), 0);
+    assert_int_equal(pad_raw(&info, &pad, XBOX_LEFT_TRIGGER), 200);
+    assert_int_equal(info.ranges[XBOX_LEFT_Y].least, -32768);
+    assert_int_equal(info.ranges[XBOX_LEFT_Y].most, 32767);
+    assert_int_equal(info.ranges[XBOX_RIGHT_TRIGGER].least, 0);
+    assert_int_equal(info.ranges[XBOX_RIGHT_TRIGGER].most, 255);
+}
+
 static void test_each_button_has_a_bit_of_its_own(void **state) {
     (void)state;
     static const struct {
@@ -151,6 +170,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_pad_at_rest_is_centred_and_its_triggers_are_let_go),
         cmocka_unit_test(test_axes_reach_their_ends_with_the_signs_of_a_hid_gamepad),
+        cmocka_unit_test(test_raw_values_are_those_of_the_report),
         cmocka_unit_test(test_each_button_has_a_bit_of_its_own),
         cmocka_unit_test(test_the_cross_is_a_hat),
         cmocka_unit_test(test_what_is_no_input_changes_nothing),

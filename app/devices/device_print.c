@@ -5,12 +5,14 @@
 #include "input/devices/device_text.h"
 
 #include <errno.h>
+#include <inttypes.h>
 #include <math.h>
 #include <string.h>
 
 #define LOOKED_HID "HID joysticks, gamepads, multi-axis controllers and flight controls: /dev/hidraw*"
 #define LOOKED_USB "wired Xbox 360 pads and those like them (USB class ff/5d/01): /dev/bus/usb"
 #define RULES "70-overfly.rules"
+#define RAW_BYTES 72
 
 static const char *bus_name(const PadInfo *info) {
     return info->bus == PAD_BUS_HID ? "HID" : "USB";
@@ -25,18 +27,27 @@ static double shown(double value) {
     return fabs(value) < 0.0005 ? 0.0 : value;
 }
 
+// "812 of 0..1023"
+static void write_raw(const DeviceRow *row, int axis, char out[RAW_BYTES]) {
+    const PadRange *range = &row->info.ranges[axis];
+    snprintf(out, RAW_BYTES, "%" PRId64 " of %" PRId64 "..%" PRId64, pad_raw(&row->info, &row->state, axis),
+             range->least, range->most);
+}
+
 // ---- For people ---------------------------------------------------------------------------------------------------
 
 static void print_axis(FILE *to, const DeviceRow *row, int axis) {
-    char name[32];
+    char name[32], raw[RAW_BYTES] = "?";
     const AxisMapping *mapping = device_row_mapping(row, axis);
     bool known = !(row->state.axes_unknown >> axis & 1);
     device_row_axis_name(row, axis, name);
-    fprintf(to, "  %-12s", name);
     if (known)
-        fprintf(to, "%+7.3f", shown(row->state.axes[axis]));
+        write_raw(row, axis, raw);
+    fprintf(to, "  %-12s%-24s", name, raw);
+    if (known)
+        fprintf(to, " %+7.3f", shown(row->state.axes[axis]));
     else
-        fprintf(to, "      ?");
+        fprintf(to, "       ?");
     if (mapping && known)
         fprintf(to, "   %-11s %+7.3f", pad_control_name(mapping->control), shown(device_row_mapped(row, axis)));
     else if (mapping)
@@ -108,8 +119,8 @@ static void print_row(FILE *to, const DeviceRow *row) {
     print_permission(to, row);
     if (row->error)
         return;
-    fprintf(to, "  profile     %s%s%s%s\n  axis            raw   control      mapped\n", row->profile.name,
-            *row->profile_file ? " (" : "", row->profile_file, *row->profile_file ? ")" : "");
+    fprintf(to, "  profile     %s%s%s%s\n  axis        raw                        -1..1   control      mapped\n",
+            row->profile.name, *row->profile_file ? " (" : "", row->profile_file, *row->profile_file ? ")" : "");
     for (int i = 0; i < info->axis_count; i++)
         print_axis(to, row, i);
     print_hats(to, row);
@@ -129,12 +140,13 @@ void device_print_list(FILE *to, const DeviceList *list, const char *lack) {
 void device_print_state(FILE *to, const DeviceRow *row) {
     fprintf(to, "%s:", row->info.path);
     for (int i = 0; i < row->info.axis_count; i++) {
-        char name[32];
+        char name[32], raw[RAW_BYTES];
         const AxisMapping *mapping = device_row_mapping(row, i);
         if (row->state.axes_unknown >> i & 1)
             continue;
         device_row_axis_name(row, i, name);
-        fprintf(to, " %s %+.3f", name, shown(row->state.axes[i]));
+        write_raw(row, i, raw);
+        fprintf(to, " %s %s: %+.3f", name, raw, shown(row->state.axes[i]));
         if (mapping)
             fprintf(to, " (%s %+.3f)", pad_control_name(mapping->control), shown(device_row_mapped(row, i)));
     }
@@ -158,6 +170,9 @@ static void add_axes(Json *device, const DeviceRow *row) {
         device_row_axis_name(row, i, name);
         json_add_text(axis, "axis", name);
         json_add_number(axis, "raw", known ? row->state.axes[i] : NAN);
+        json_add_number(axis, "raw_value", known ? (double)pad_raw(&row->info, &row->state, i) : (double)NAN);
+        json_add_integer(axis, "raw_min", row->info.ranges[i].least);
+        json_add_integer(axis, "raw_max", row->info.ranges[i].most);
         json_add_text(axis, "control", mapping ? pad_control_name(mapping->control) : NULL);
         json_add_number(axis, "mapped", known && mapping ? device_row_mapped(row, i) : NAN);
     }

@@ -14,13 +14,18 @@
 #define FIXED_FRAME_S (1.0 / 60.0)
 #define PICTURE_SPACING 60 // frames, where the length of the flight is not known beforehand
 
-static void on_key(void *user, int key, int scancode, bool pressed, bool repeated, bool shift) {
+static void on_key(void *user, int key, int scancode, bool pressed, bool repeated, unsigned modifiers) {
     (void)scancode; // key codes already name positions
     FlightLoop *loop = user;
     if (repeated)
-        session_on_repeat(loop->session, key);
+        session_on_repeat(loop->session, key, modifiers);
     else
-        session_on_key(loop->session, key, pressed, shift);
+        session_on_key(loop->session, key, pressed, modifiers);
+}
+
+static void on_pointer(void *user, double x, double y, bool down) {
+    FlightLoop *loop = user;
+    session_on_pointer(loop->session, x, y, down, loop->width, loop->height);
 }
 
 static void on_resize(void *user, int width, int height) {
@@ -172,6 +177,7 @@ Result flight_loop_run(FlightLoop *loop) {
     loop->picture_frames = expected_frames(loop);
     if (loop->window) {
         context_on_key(loop->context, on_key, loop);
+        context_on_pointer(loop->context, on_pointer, loop);
         context_on_resize(loop->context, on_resize, loop);
     }
     Result result = fly_frames(loop);
@@ -180,6 +186,7 @@ Result flight_loop_run(FlightLoop *loop) {
     hear_picture(loop, &stats);
     if (loop->window) {
         context_on_key(loop->context, NULL, NULL);
+        context_on_pointer(loop->context, NULL, NULL);
         context_on_resize(loop->context, NULL, NULL);
     }
     signals_restore(&before);

@@ -108,10 +108,10 @@ static void end_hold(FlightSession *session) {
     session_say(session, "autopilot off: you have control");
 }
 
-void session_on_key(FlightSession *session, int key, bool pressed, bool shift) {
-    if (session->playback && pressed && session_replay_key(session, key))
+void session_on_key(FlightSession *session, int key, bool pressed, unsigned modifiers) {
+    if (session->playback && pressed && session_replay_key(session, key, modifiers))
         return;
-    keyboard_on_key(&session->keyboard, key, pressed, shift);
+    keyboard_on_key(&session->keyboard, key, pressed, (modifiers & KEY_SHIFT) != 0);
     if (session->settings.view == CAMERA_FREE || !keyboard_touches_controls(&session->keyboard))
         return;
     if (session->demo_flies)
@@ -119,10 +119,9 @@ void session_on_key(FlightSession *session, int key, bool pressed, bool shift) {
     end_hold(session);
 }
 
-void session_on_repeat(FlightSession *session, int key) {
-    Action action = session->playback ? action_of_replay_key(key) : ACTION_NONE;
-    if (action == ACTION_REPLAY_BACK || action == ACTION_REPLAY_AHEAD)
-        (void)session_replay_key(session, key);
+void session_on_repeat(FlightSession *session, int key, unsigned modifiers) {
+    if (session->playback && action_hop_s(action_of_replay_key(key, modifiers)) != 0.0)
+        (void)session_replay_key(session, key, modifiers);
 }
 
 // After a crash the controls are those of the new start.

@@ -66,7 +66,8 @@ typedef struct FlightSession {
     Playback *playback; // borrowed: shown instead of flying; NULL: flown
     Timeline timeline;
     PlaybackMoment moment;
-    bool difference_said; // between what was recorded and what is flown again
+    bool pointer_down, scrubs; // the left button; since it went down on the replay's bar
+    bool difference_said;      // between what was recorded and what is flown again
     int crashes;
     bool screenshot_wanted, leave_wanted; // by a key; the caller takes them back
     Vec3d sun_ecef;                       // unit
@@ -89,9 +90,12 @@ MUST_USE Result session_begin_replay(FlightSession *session, Playback *playback,
 void session_end_replay(FlightSession *session);
 
 // Keys as the window reports them.
-void session_on_key(FlightSession *session, int key, bool pressed, bool shift);
+void session_on_key(FlightSession *session, int key, bool pressed, unsigned modifiers);
 // A key that is still down.
-void session_on_repeat(FlightSession *session, int key);
+void session_on_repeat(FlightSession *session, int key, unsigned modifiers);
+// The mouse moved, or its left button: where in a picture of that size, in pixels from the top left corner. Drags the
+// time of a replay along its bar.
+void session_on_pointer(FlightSession *session, double x, double y, bool down, int width, int height);
 // Carries out key presses, then flies `passed_s` seconds on in fixed steps.
 void session_advance(FlightSession *session, double passed_s);
 void session_say(FlightSession *session, const char *message);
@@ -99,8 +103,8 @@ void session_say(FlightSession *session, const char *message);
 // trim holds it; the rest fades.
 void session_hand_over(FlightSession *session, const Controls *before);
 // What a replay does with a key and with time; for session_on_key and session_advance.
-bool session_replay_key(FlightSession *session, int key);       // false: not one of its own
-bool session_replay_act(FlightSession *session, Action action); // false: as in any flight
+bool session_replay_key(FlightSession *session, int key, unsigned modifiers); // false: not one of its own
+bool session_replay_act(FlightSession *session, Action action);               // false: as in any flight
 void session_replay_advance(FlightSession *session, double passed_s);
 // Says when a method could not come, and which one is shown instead; and when the GPU could not work for it.
 void session_hear_changes(FlightSession *session, const MethodChanges *changes, LodMethod shown);

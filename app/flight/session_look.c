@@ -23,7 +23,8 @@ static const RenderHelpRow help_rows[] = {ACTION_HELD_TABLE(HELP_ROW) ACTION_FLY
 #define KIOSK_ROW(id, keys, help) {keys, ACTION_##id == ACTION_LEAVE ? "begin the demonstration again" : help},
 static const RenderHelpRow kiosk_help_rows[] = {ACTION_HELD_TABLE(HELP_ROW) ACTION_FLYING_TABLE(HELP_ROW)
                                                     ACTION_ONCE_TABLE(KIOSK_ROW)};
-static const RenderHelpRow replay_help_rows[] = {ACTION_REPLAY_TABLE(HELP_ROW) ACTION_ONCE_TABLE(HELP_ROW)};
+static const RenderHelpRow replay_help_rows[] = {
+    ACTION_REPLAY_TABLE(HELP_ROW){"Mouse", "on the bar: to a time, or drag it"}, ACTION_ONCE_TABLE(HELP_ROW)};
 #undef HELP_ROW
 #undef KIOSK_ROW
 _Static_assert(COUNT_OF(kiosk_help_rows) == COUNT_OF(help_rows), "only what a key does differs");

@@ -6,6 +6,7 @@
 #include "app/flight/flight_session.h"
 #include "base/log.h"
 #include "base/rate.h"
+#include "render/hud/hud_layout.h"
 #include "terrain/geodesy.h"
 
 #include <inttypes.h>
@@ -215,8 +216,8 @@ static void act_on_time(FlightSession *session, Action action) {
     }
 }
 
-bool session_replay_key(FlightSession *session, int key) {
-    Action action = action_of_replay_key(key);
+bool session_replay_key(FlightSession *session, int key, unsigned modifiers) {
+    Action action = action_of_replay_key(key, modifiers);
     const Timeline *timeline = &session->timeline;
     // The free view is flown with the keys that fly.
     if (action == ACTION_NONE ||
@@ -229,8 +230,8 @@ bool session_replay_key(FlightSession *session, int key) {
         jump(session, timeline->duration_s * (key - '0') / 10.0);
     else if (action == ACTION_REPLAY_START || action == ACTION_REPLAY_END)
         jump(session, action == ACTION_REPLAY_START ? 0.0 : timeline->duration_s);
-    else if (action == ACTION_REPLAY_BACK || action == ACTION_REPLAY_AHEAD)
-        jump(session, timeline->t_s + (action == ACTION_REPLAY_BACK ? -TIMELINE_HOP_S : TIMELINE_HOP_S));
+    else if (action_hop_s(action) != 0.0)
+        jump(session, timeline->t_s + action_hop_s(action));
     else
         act_on_time(session, action);
     return true;
@@ -255,8 +256,26 @@ bool session_replay_act(FlightSession *session, Action action) {
     }
 }
 
+static bool shows_bar(const FlightSession *session, int width, int height) {
+    return session->playback && session->settings.show_flight && !session->settings.show_help &&
+           width >= HUD_WIDTH_LEAST && height >= HUD_HEIGHT_LEAST;
+}
+
+// The moment itself is looked up once a frame, however often the mouse tells where it is.
+void session_on_pointer(FlightSession *session, double x, double y, bool down, int width, int height) {
+    HudLayout layout = hud_layout_make(width, height, false);
+    HudReplayPlace place = hud_layout_replay(&layout, session->moment.derived);
+    if (down && !session->pointer_down)
+        session->scrubs = shows_bar(session, width, height) && hud_replay_is_on(&place, x, y);
+    session->pointer_down = down;
+    session->scrubs = session->scrubs && down && session->playback;
+    if (session->scrubs)
+        timeline_jump(&session->timeline, session->timeline.duration_s * hud_replay_share(&place, x));
+}
+
 void session_replay_advance(FlightSession *session, double passed_s) {
-    timeline_advance(&session->timeline, passed_s);
+    if (!session->scrubs)
+        timeline_advance(&session->timeline, passed_s);
     show_moment(session);
     if (session->telemetry)
         telemetry_show(session->telemetry, session->timeline.t_s, &session->flight, session->world->geoid,

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #define EVENTS_MOST 256 // between two frames
+#define LOST_BYTES 96
 _Static_assert(MAPPER_SLOTS >= DEVICES_MAX, "each device has a slot");
 
 struct Pilot {
@@ -75,12 +76,27 @@ static void connect(Pilot *pilot, const DeviceEvent *event, char message[PILOT_M
              has_profile ? path : "no profile; overfly devices shows what moves what");
 }
 
+// ", with it throttle, rudder": what its axes drive.
+static void write_lost(const Pilot *pilot, int slot, char out[LOST_BYTES]) {
+    size_t used = 0;
+    out[0] = '\0';
+    for (int control = 0; control < PAD_CONTROL_LOOK_X && used < LOST_BYTES; control++) {
+        const MapperDriver *driver = &pilot->mapper.drivers[control];
+        if (driver->kind == MAPPER_AXIS && driver->slot == slot)
+            used += (size_t)snprintf(out + used, LOST_BYTES - used, "%s%s", used ? ", " : ", with it ",
+                                     pad_control_name((PadControl)control));
+    }
+}
+
 static void disconnect(Pilot *pilot, Keyboard *keyboard, int slot, char message[PILOT_MESSAGE_BYTES]) {
     if (!pilot->connected[slot])
         return;
+    char lost[LOST_BYTES];
+    write_lost(pilot, slot, lost);
     mapper_disconnect(&pilot->mapper, slot, keyboard);
     pilot->connected[slot] = false;
-    snprintf(message, PILOT_MESSAGE_BYTES, "%.60s was unplugged: the keyboard flies", pilot->infos[slot].name);
+    snprintf(message, PILOT_MESSAGE_BYTES, "%.60s was unplugged%s%s", pilot->infos[slot].name, lost,
+             pilot_drives_stick(pilot) ? "" : ": the keyboard flies");
     log_info("joystick: %s was unplugged", pilot->infos[slot].name);
 }
 

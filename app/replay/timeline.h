@@ -6,7 +6,6 @@
 
 #define TIMELINE_RATE_LEAST (-3) // of the binary logarithm: an eighth
 #define TIMELINE_RATE_MOST 6     // 64 times
-#define TIMELINE_HOP_S 5.0
 
 typedef struct Timeline {
     double t_s;        // 0..duration_s

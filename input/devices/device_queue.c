@@ -81,11 +81,24 @@ static void forget(DeviceQueue *queue, int slot, bool reports_too) {
     }
 }
 
-int device_queue_join(DeviceQueue *queue, const PadInfo *info, int error) {
-    pthread_mutex_lock(&queue->mutex);
+// DEVICES_MAX: none.
+static int free_slot(const DeviceQueue *queue) {
     int slot = 0;
     while (slot < DEVICES_MAX && queue->taken[slot])
         slot++;
+    return slot;
+}
+
+bool device_queue_has_room(DeviceQueue *queue) {
+    pthread_mutex_lock(&queue->mutex);
+    bool has_room = free_slot(queue) < DEVICES_MAX;
+    pthread_mutex_unlock(&queue->mutex);
+    return has_room;
+}
+
+int device_queue_join(DeviceQueue *queue, const PadInfo *info, int error) {
+    pthread_mutex_lock(&queue->mutex);
+    int slot = free_slot(queue);
     if (slot < DEVICES_MAX) {
         queue->taken[slot] = true;
         queue->told[slot] = false;

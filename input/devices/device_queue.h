@@ -14,6 +14,7 @@ void device_queue_destroy(DeviceQueue **queue);
 
 // A free slot for a device, and ARRIVED, or DENIED where `error`, of errno, is not 0. -1: all slots are taken.
 int device_queue_join(DeviceQueue *queue, const PadInfo *info, int error);
+bool device_queue_has_room(DeviceQueue *queue);
 // A device that was denied: it can be read now (ARRIVED), or not for another reason (DENIED).
 void device_queue_change(DeviceQueue *queue, int slot, const PadInfo *info, int error);
 void device_queue_report(DeviceQueue *queue, int slot, int64_t time_ns, const PadState *state);

@@ -17,8 +17,9 @@
 
 #include <libusb.h>
 
-#define PACKET_BYTES_MAX 64 // of interrupt endpoints at full speed: USB 2.0, section 5.7.3
-#define FAILURES_MAX 10     // reads in a row that fail, until a pad is given up
+#define PACKET_BYTES_MAX 64            // of interrupt endpoints at full speed: USB 2.0, section 5.7.3
+#define USB_PADS_MAX (2 * DEVICES_MAX) // those that wait for a slot included
+#define FAILURES_MAX 10                // reads in a row that fail, until a pad is given up
 #define RETRY_NS INT64_C(1000000000)
 #define IDLE_NS (60 * RETRY_NS)
 #define RUMBLE_S_MAX 10.0
@@ -66,9 +67,9 @@ struct UsbSource {
     atomic_bool stop, looked;
     bool tells_changes; // libusb says what comes and goes
     libusb_hotplug_callback_handle callback;
-    libusb_device *arrivals[DEVICES_MAX]; // references to pads
+    libusb_device *arrivals[USB_PADS_MAX]; // references to pads
     int arrival_count;
-    UsbPad pads[DEVICES_MAX];
+    UsbPad pads[USB_PADS_MAX];
     bool said_full;
     pthread_mutex_t mutex;
     Rumble asked[DEVICES_MAX]; // by slot; under the mutex
@@ -224,10 +225,6 @@ static bool join(UsbPad *pad, int error) {
         device_queue_change(source->queue, pad->slot, &pad->info, error);
     else
         pad->slot = device_queue_join(source->queue, &pad->info, error);
-    if (pad->slot < 0 && !source->said_full) {
-        source->said_full = true;
-        log_warn("%s, %s: not used, %d devices are there already", pad->info.name, pad->info.path, DEVICES_MAX);
-    }
     return pad->slot >= 0;
 }
 
@@ -290,7 +287,34 @@ static int open_pad(UsbPad *pad) {
     return error != 0 ? errno_of(error) : 0;
 }
 
+// All slots are taken: asked again later.
+static void wait_for_slot(UsbPad *pad) {
+    UsbSource *source = pad->source;
+    pad->retry_ns = clock_now_ns() + RETRY_NS;
+    if (!source->said_full)
+        log_warn("%s, %s: not used, %d devices are there already; it is when one of them is unplugged", pad->info.name,
+                 pad->info.path, DEVICES_MAX);
+    source->said_full = true;
+}
+
+static void arrive(UsbPad *pad) {
+    char text[DEVICE_TEXT_BYTES];
+    if (!join(pad, 0)) { // another was faster since there was room
+        wait_for_slot(pad);
+        return;
+    }
+    forget_asked(pad);
+    device_text_summary(&pad->info, text);
+    log_info("%s", text);
+}
+
+// Left to others until there is a slot for it.
 static void try_open(UsbPad *pad) {
+    pad->state = USB_DENIED;
+    if (pad->slot < 0 && !device_queue_has_room(pad->source->queue)) {
+        wait_for_slot(pad);
+        return;
+    }
     int error = open_pad(pad);
     if (error != 0) {
         deny(pad, error);
@@ -298,14 +322,7 @@ static void try_open(UsbPad *pad) {
     }
     pad->reading_flies = true;
     pad->state = USB_READ;
-    if (!join(pad, 0)) {
-        pad->gone = true;
-        return;
-    }
-    forget_asked(pad);
-    char text[DEVICE_TEXT_BYTES];
-    device_text_summary(&pad->info, text);
-    log_info("%s", text);
+    arrive(pad);
 }
 
 static void leave(UsbPad *pad) {
@@ -343,6 +360,9 @@ static void serve(UsbPad *pad) {
         try_open(pad);
     } else if (pad->state == USB_READ && pad->gone) {
         begin_close(pad);
+    } else if (pad->state == USB_READ && pad->slot < 0) {
+        if (clock_now_ns() >= pad->retry_ns)
+            arrive(pad);
     } else if (pad->state == USB_READ) {
         take_asked(pad);
         shake(pad);
@@ -354,7 +374,7 @@ static void serve(UsbPad *pad) {
 // ---- What comes and goes ------------------------------------------------------------------------------------------
 
 static UsbPad *find_pad(UsbSource *source, const libusb_device *device) {
-    for (int i = 0; i < DEVICES_MAX; i++)
+    for (int i = 0; i < USB_PADS_MAX; i++)
         if (source->pads[i].state != USB_NONE && source->pads[i].device == device)
             return &source->pads[i];
     return NULL;
@@ -364,7 +384,7 @@ static void add_pad(UsbSource *source, libusb_device *device) {
     UsbPad found = {.source = source, .device = device, .slot = -1};
     if (!find_interface(device, &found) || find_pad(source, device))
         return;
-    for (int i = 0; i < DEVICES_MAX; i++) {
+    for (int i = 0; i < USB_PADS_MAX; i++) {
         if (source->pads[i].state != USB_NONE)
             continue;
         UsbPad *pad = &source->pads[i];
@@ -384,7 +404,7 @@ static int LIBUSB_CALL on_change(libusb_context *context, libusb_device *device,
     UsbPad *pad = find_pad(source, device), scratch;
     if (event == LIBUSB_HOTPLUG_EVENT_DEVICE_LEFT && pad)
         pad->gone = true;
-    if (event == LIBUSB_HOTPLUG_EVENT_DEVICE_ARRIVED && source->arrival_count < DEVICES_MAX &&
+    if (event == LIBUSB_HOTPLUG_EVENT_DEVICE_ARRIVED && source->arrival_count < USB_PADS_MAX &&
         find_interface(device, &scratch))
         source->arrivals[source->arrival_count++] = libusb_ref_device(device);
     return 0;
@@ -409,7 +429,7 @@ static bool is_listed(const UsbPad *pad, libusb_device *const *devices, ssize_t 
 static void look_at_all(UsbSource *source) {
     libusb_device **devices = NULL;
     ssize_t count = libusb_get_device_list(source->context, &devices);
-    for (int i = 0; i < DEVICES_MAX && count >= 0; i++)
+    for (int i = 0; i < USB_PADS_MAX && count >= 0; i++)
         if (source->pads[i].state != USB_NONE && !is_listed(&source->pads[i], devices, count))
             source->pads[i].gone = true;
     for (ssize_t i = 0; i < count; i++)
@@ -430,9 +450,10 @@ static bool ask_for_changes(UsbSource *source) {
 
 static int64_t next_deadline_ns(const UsbSource *source, int64_t now_ns) {
     int64_t deadline_ns = now_ns + (source->tells_changes ? IDLE_NS : RETRY_NS);
-    for (int i = 0; i < DEVICES_MAX; i++) {
+    for (int i = 0; i < USB_PADS_MAX; i++) {
         const UsbPad *pad = &source->pads[i];
-        int64_t own_ns = pad->state == USB_DENIED                                ? pad->retry_ns
+        bool waits = pad->state == USB_DENIED || (pad->state == USB_READ && pad->slot < 0);
+        int64_t own_ns = waits                                                   ? pad->retry_ns
                          : pad->state == USB_READ && pad->rumble_end_ns > now_ns ? pad->rumble_end_ns
                          : pad->gone                                             ? now_ns
                                                                                  : deadline_ns;
@@ -454,21 +475,21 @@ static void handle_events(UsbSource *source, int64_t until_ns) {
 static void handle_events_until(UsbSource *source, bool (*done)(const UsbSource *), int64_t until_ns) {
     while (!done(source) && clock_now_ns() < until_ns) {
         handle_events(source, until_ns);
-        for (int i = 0; i < DEVICES_MAX; i++)
+        for (int i = 0; i < USB_PADS_MAX; i++)
             if (source->pads[i].state == USB_CLOSING)
                 serve(&source->pads[i]);
     }
 }
 
 static bool motors_are_told(const UsbSource *source) {
-    for (int i = 0; i < DEVICES_MAX; i++)
+    for (int i = 0; i < USB_PADS_MAX; i++)
         if (source->pads[i].state == USB_READ && source->pads[i].shaking_flies)
             return false;
     return true;
 }
 
 static bool all_are_closed(const UsbSource *source) {
-    for (int i = 0; i < DEVICES_MAX; i++)
+    for (int i = 0; i < USB_PADS_MAX; i++)
         if (source->pads[i].state != USB_NONE)
             return false;
     return true;
@@ -476,7 +497,7 @@ static bool all_are_closed(const UsbSource *source) {
 
 static void stop_motors(UsbSource *source) {
     handle_events_until(source, motors_are_told, clock_now_ns() + CLOSE_NS / 5);
-    for (int i = 0; i < DEVICES_MAX; i++) {
+    for (int i = 0; i < USB_PADS_MAX; i++) {
         UsbPad *pad = &source->pads[i];
         pad->rumble_end_ns = 0;
         if (pad->state == USB_READ && !pad->gone)
@@ -487,14 +508,14 @@ static void stop_motors(UsbSource *source) {
 
 static void close_all(UsbSource *source) {
     stop_motors(source);
-    for (int i = 0; i < DEVICES_MAX; i++) {
+    for (int i = 0; i < USB_PADS_MAX; i++) {
         UsbPad *pad = &source->pads[i];
         pad->gone = true;
         if (pad->state != USB_NONE)
             serve(pad);
     }
     handle_events_until(source, all_are_closed, clock_now_ns() + CLOSE_NS);
-    for (int i = 0; i < DEVICES_MAX; i++)
+    for (int i = 0; i < USB_PADS_MAX; i++)
         if (source->pads[i].state != USB_NONE) // libusb_close forgets what did not end
             finish_close(&source->pads[i]);
 }
@@ -507,7 +528,7 @@ static void *talk(void *argument) {
             take_arrivals(source);
         else
             look_at_all(source);
-        for (int i = 0; i < DEVICES_MAX; i++)
+        for (int i = 0; i < USB_PADS_MAX; i++)
             if (source->pads[i].state != USB_NONE)
                 serve(&source->pads[i]);
         atomic_store(&source->looked, true);
@@ -528,7 +549,7 @@ Result usb_source_create(DeviceQueue *queue, UsbSource **out) {
     }
     Result result = RESULT_DEVICE;
     source->queue = queue;
-    for (int i = 0; i < DEVICES_MAX; i++)
+    for (int i = 0; i < USB_PADS_MAX; i++)
         source->pads[i].slot = -1;
     int error = libusb_init(&source->context);
     if (error != 0) {

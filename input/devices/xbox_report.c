@@ -11,16 +11,20 @@ void xbox_describe(PadInfo *info) {
     info->button_count = XBOX_BUTTONS;
     info->hat_count = 1;
     memcpy(info->axes, axes, sizeof axes);
+    for (int i = 0; i < XBOX_AXES; i++)
+        info->ranges[i] = i < XBOX_LEFT_TRIGGER ? (PadRange){INT16_MIN, INT16_MAX} : (PadRange){0, UINT8_MAX};
 }
 
 // -32768..32767, lowest byte first.
-static double stick(const uint8_t *bytes) {
-    int value = (int)((bytes[0] | bytes[1] << 8) ^ 0x8000);
-    return value * (2.0 / 65535.0) - 1.0;
+static void take_stick(PadState *state, int axis, const uint8_t *bytes, double sign) {
+    int value = ((bytes[0] | bytes[1] << 8) ^ 0x8000) - 0x8000;
+    state->raw[axis] = (uint32_t)value;
+    state->axes[axis] = sign * ((value + 0x8000) * (2.0 / 65535.0) - 1.0);
 }
 
-static double trigger(uint8_t byte) {
-    return byte * (2.0 / 255.0) - 1.0;
+static void take_trigger(PadState *state, int axis, uint8_t byte) {
+    state->raw[axis] = byte;
+    state->axes[axis] = byte * (2.0 / 255.0) - 1.0;
 }
 
 // Bits: up, down, left, right.
@@ -45,12 +49,12 @@ XboxMessage xbox_report_decode(const uint8_t *bytes, size_t count, PadState *sta
         return XBOX_OTHER;
     if (count != XBOX_REPORT_BYTES || bytes[1] != XBOX_REPORT_BYTES)
         return XBOX_DAMAGED;
-    state->axes[XBOX_LEFT_X] = stick(bytes + 6);
-    state->axes[XBOX_LEFT_Y] = -stick(bytes + 8);
-    state->axes[XBOX_RIGHT_X] = stick(bytes + 10);
-    state->axes[XBOX_RIGHT_Y] = -stick(bytes + 12);
-    state->axes[XBOX_LEFT_TRIGGER] = trigger(bytes[4]);
-    state->axes[XBOX_RIGHT_TRIGGER] = trigger(bytes[5]);
+    take_stick(state, XBOX_LEFT_X, bytes + 6, 1.0);
+    take_stick(state, XBOX_LEFT_Y, bytes + 8, -1.0);
+    take_stick(state, XBOX_RIGHT_X, bytes + 10, 1.0);
+    take_stick(state, XBOX_RIGHT_Y, bytes + 12, -1.0);
+    take_trigger(state, XBOX_LEFT_TRIGGER, bytes[4]);
+    take_trigger(state, XBOX_RIGHT_TRIGGER, bytes[5]);
     state->axes_unknown &= ~((1u << XBOX_AXES) - 1);
     state->buttons[0] = buttons(bytes[2], bytes[3]);
     state->hats[0] = hat(bytes[2]);

@@ -36,7 +36,7 @@ typedef enum XboxMessage {
     XBOX_DAMAGED, // it says that it is input, and has another length
 } XboxMessage;
 
-// The counts and the kinds of axes; the rest of `info` stays.
+// The counts, and the kinds and ranges of axes; the rest of `info` stays.
 void xbox_describe(PadInfo *info);
 // `state` changes on XBOX_INPUT only. The cross is hat 0; opposite directions at once are none.
 XboxMessage xbox_report_decode(const uint8_t *bytes, size_t count, PadState *state);

@@ -527,7 +527,11 @@ void hid_describe(const HidDescriptor *descriptor, PadInfo *info) {
     info->axis_count = descriptor->axis_count;
     info->button_count = descriptor->button_count;
     info->hat_count = descriptor->hat_count;
-    for (int i = 0; i < descriptor->field_count; i++)
-        if (descriptor->fields[i].kind == HID_FIELD_AXIS)
-            info->axes[descriptor->fields[i].index] = descriptor->fields[i].axis;
+    for (int i = 0; i < descriptor->field_count; i++) {
+        const HidField *field = &descriptor->fields[i];
+        if (field->kind != HID_FIELD_AXIS)
+            continue;
+        info->axes[field->index] = field->axis;
+        info->ranges[field->index] = (PadRange){field->logical_min, field->logical_max};
+    }
 }

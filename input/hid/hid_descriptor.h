@@ -40,7 +40,7 @@ typedef struct HidDescriptor {
 // keyboard, a mouse or the like: not a pad; nothing is logged. Source: HID 1.11, section 6.2.2.
 MUST_USE Result hid_descriptor_parse(const uint8_t *bytes, size_t count, HidDescriptor *out);
 
-// The counts and the kinds of axes, in the order of the descriptor; the rest of `info` stays.
+// The counts, and the kinds and ranges of axes, in the order of the descriptor; the rest of `info` stays.
 void hid_describe(const HidDescriptor *descriptor, PadInfo *info);
 
 // Updates what this report tells, and nothing else: reports with other ids keep their fields. `state` begins as

@@ -20,6 +20,7 @@ static bool is_in_range(const HidField *field, int64_t value) {
 static void decode_axis(const HidField *field, int64_t value, PadState *state) {
     if (field->has_null && !is_in_range(field, value))
         return;
+    state->raw[field->index] = (uint32_t)value;
     if (value < field->logical_min)
         value = field->logical_min;
     if (value > field->logical_max)

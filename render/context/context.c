@@ -81,6 +81,11 @@ void context_on_key(Context *context, ContextKey *on_key, void *user) {
     context->on_key_user = user;
 }
 
+void context_on_pointer(Context *context, ContextPointer *on_pointer, void *user) {
+    context->on_pointer = on_pointer;
+    context->on_pointer_user = user;
+}
+
 void context_on_resize(Context *context, ContextResize *on_resize, void *user) {
     context->on_resize = on_resize;
     context->on_resize_user = user;

@@ -29,8 +29,12 @@ bool context_is_software(const Context *context);
 const char *context_renderer_name(const Context *context); // GL_RENDERER and GL_VERSION
 
 // Windows only; main thread. Events by scancode position, US names; see input/keyboard.
-typedef void ContextKey(void *user, int key, int scancode, bool pressed, bool repeated, bool shift);
+// `modifiers`: bit 0 Shift, bit 1 Control.
+typedef void ContextKey(void *user, int key, int scancode, bool pressed, bool repeated, unsigned modifiers);
 void context_on_key(Context *context, ContextKey *on_key, void *user);
+// The mouse moved, or its left button: in pixels of the framebuffer, from the top left corner.
+typedef void ContextPointer(void *user, double x, double y, bool down);
+void context_on_pointer(Context *context, ContextPointer *on_pointer, void *user);
 typedef void ContextResize(void *user, int width, int height);
 void context_on_resize(Context *context, ContextResize *on_resize, void *user);
 void context_poll_events(Context *context);

@@ -21,6 +21,8 @@ struct Context {
     char renderer_name[256];
     ContextKey *on_key;
     void *on_key_user;
+    ContextPointer *on_pointer;
+    void *on_pointer_user;
     ContextResize *on_resize;
     void *on_resize_user;
 };

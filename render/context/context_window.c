@@ -70,7 +70,27 @@ static void pass_key(GLFWwindow *window, int key, int scancode, int action, int 
     Context *context = glfwGetWindowUserPointer(window);
     if (context->on_key)
         context->on_key(context->on_key_user, key, scancode, action != GLFW_RELEASE, action == GLFW_REPEAT,
-                        (mods & GLFW_MOD_SHIFT) != 0);
+                        (mods & GLFW_MOD_SHIFT ? 1u : 0u) | (mods & GLFW_MOD_CONTROL ? 2u : 0u));
+}
+
+// A window's places are not pixels on every screen.
+static void pass_pointer(GLFWwindow *window, double x, double y) {
+    Context *context = glfwGetWindowUserPointer(window);
+    int width = 0, height = 0, columns = 0, rows = 0;
+    glfwGetWindowSize(window, &width, &height);
+    glfwGetFramebufferSize(window, &columns, &rows);
+    if (context->on_pointer && width > 0 && height > 0)
+        context->on_pointer(context->on_pointer_user, x * columns / width, y * rows / height,
+                            glfwGetMouseButton(window, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS);
+}
+
+static void pass_button(GLFWwindow *window, int button, int action, int mods) {
+    (void)button;
+    (void)action;
+    (void)mods;
+    double x = 0.0, y = 0.0;
+    glfwGetCursorPos(window, &x, &y);
+    pass_pointer(window, x, y);
 }
 
 static void pass_size(GLFWwindow *window, int width, int height) {
@@ -110,6 +130,8 @@ static Result open_window(WindowContext *self, const ContextOptions *options) {
     }
     glfwSetWindowUserPointer(self->window, self);
     glfwSetKeyCallback(self->window, pass_key);
+    glfwSetCursorPosCallback(self->window, pass_pointer);
+    glfwSetMouseButtonCallback(self->window, pass_button);
     glfwSetFramebufferSizeCallback(self->window, pass_size);
     return RESULT_OK;
 }

@@ -14,7 +14,11 @@
 #define ACCURACY_ROWS_LEAST 2.0f
 #define ACCURACY_WIDTH 1.35f // of the panel's, at most
 #define MARGIN 12.0f         // units, as all sizes below
-#define TITLE_ALONE 23.0f    // of a title's height with its distance, right above a readout
+#define REPLAY_WIDTH 620.0f
+#define REPLAY_TIMES_EM 10.2f   // of text: "00:00:00 / 00:00:00"
+#define REPLAY_STATE_EM 6.8f    // "not recorded"
+#define REPLAY_DERIVED_EM 12.6f // "attitude derived, paused"
+#define TITLE_ALONE 23.0f       // of a title's height with its distance, right above a readout
 
 static CanvasRect rect_round(CanvasRect rect) {
     return (CanvasRect){roundf(rect.x0), roundf(rect.y0), roundf(rect.x1), roundf(rect.y1)};
@@ -198,6 +202,30 @@ HudLayout hud_layout_make(int width, int height, bool show_panels) {
     place_legend_low(&layout);
     place_help(&layout);
     return layout;
+}
+
+// Of constant lengths, whatever the texts say now: the bar stays where it is, and is found without a font.
+HudReplayPlace hud_layout_replay(const HudLayout *layout, bool derived) {
+    const CanvasRect *note = &layout->note;
+    float u = layout->unit, inset = 10.0f * u, x = 0.5f * (note->x0 + note->x1), y = 0.5f * (note->y0 + note->y1);
+    float half = 0.5f * fminf(REPLAY_WIDTH * u, note->x1 - note->x0);
+    float times = REPLAY_TIMES_EM * layout->small_px;
+    float state = (derived ? REPLAY_DERIVED_EM : REPLAY_STATE_EM) * layout->small_px;
+    float left = x - half + 2.0f * inset + times, right = x + half - 2.0f * inset - state;
+    return (HudReplayPlace){.plate = {x - half, note->y0, x + half, note->y1},
+                            .bar = {left, y - 2.5f * u, fmaxf(left, right), y + 2.5f * u},
+                            .inset = inset};
+}
+
+bool hud_replay_is_on(const HudReplayPlace *place, double x, double y) {
+    const CanvasRect *bar = &place->bar, *plate = &place->plate;
+    float beside = 0.5f * place->inset;
+    return bar->x1 > bar->x0 && x >= bar->x0 - beside && x <= bar->x1 + beside && y >= plate->y0 && y <= plate->y1;
+}
+
+double hud_replay_share(const HudReplayPlace *place, double x) {
+    double left = place->bar.x0, length = place->bar.x1 - place->bar.x0;
+    return length > 0.0 ? fmin(fmax((x - left) / length, 0.0), 1.0) : 0.0;
 }
 
 HudView hud_view_make(const RenderCamera *camera, int width, int height) {

@@ -47,6 +47,17 @@ void hud_layout_split(HudLayout *layout);
 // its place. A circle beside it gets smaller.
 void hud_layout_add_accuracy(HudLayout *layout, bool split);
 
+// Where a replay's time is told, and dragged along: the times left of the bar, what to mind right of it. The bar is
+// empty (x0 == x1) where there is no room.
+typedef struct HudReplayPlace {
+    CanvasRect plate, bar;
+    float inset; // between the plate's sides, the texts and the bar
+} HudReplayPlace;
+// `derived`: it is told that the attitude is.
+HudReplayPlace hud_layout_replay(const HudLayout *layout, bool derived);
+bool hud_replay_is_on(const HudReplayPlace *place, double x, double y); // on the bar, or near enough to take hold of it
+double hud_replay_share(const HudReplayPlace *place, double x);         // 0..1, also beside the bar
+
 // The camera as the display needs it.
 typedef struct HudView {
     Vec3d up; // unit: the geodetic normal at the eye, camera frame

@@ -6,7 +6,6 @@
 #include <math.h>
 #include <stdio.h>
 
-#define WIDTH_MOST 620.0f // units, of the plate
 #define TIME_BYTES 32
 
 // "12:34" or "1:02:34".
@@ -39,26 +38,24 @@ static void paint_bar(const HudPainter *painter, const RenderReplay *replay, Can
 
 // The plate stands where "paused" does for who flies: left the times, right the rate, and above it what to mind.
 void hud_paint_replay(const HudPainter *painter, const RenderReplay *replay) {
-    const HudLayout *layout = &painter->layout;
-    float u = layout->unit, size = layout->small_px, middle = 0.5f * (layout->note.x0 + layout->note.x1);
-    float half = 0.5f * fminf(WIDTH_MOST * u, layout->note.x1 - layout->note.x0);
-    CanvasRect plate = {middle - half, layout->note.y0, middle + half, layout->note.y1};
+    HudReplayPlace place = hud_layout_replay(&painter->layout, replay->derived);
+    CanvasRect plate = place.plate, bar = place.bar;
+    float u = painter->layout.unit, size = painter->layout.small_px, inset = place.inset;
     char now[TIME_BYTES], all[TIME_BYTES], times[2 * TIME_BYTES + 4], rate[TIME_BYTES], state[TIME_BYTES + 24];
     write_time(replay->t_s, now);
     write_time(replay->duration_s, all);
     snprintf(times, sizeof times, "%s / %s", now, all);
     write_state(replay, rate);
-    snprintf(state, sizeof state, "%s%s", replay->derived ? "attitude derived, " : "", rate);
+    snprintf(state, sizeof state, "%s%s", replay->derived && !replay->in_gap ? "attitude derived, " : "", rate);
     canvas_box(painter->canvas, plate, 4.0f * u, HUD_PLATE_DENSE);
-    float y = hud_baseline(painter, 0.5f * (plate.y0 + plate.y1), size), inset = 10.0f * u;
-    float times_px = text_width_px(painter->text, "00:00:00 / 00:00:00", size);
-    float state_size = hud_fitting_size(painter, state, size, plate.x1 - plate.x0 - 3.0f * inset - times_px);
-    float rate_px = text_width_px(painter->text, state, state_size);
-    hud_text(painter, (CanvasPoint){plate.x0 + inset, y}, size, CANVAS_LEFT, HUD_INK, times);
+    float y = hud_baseline(painter, 0.5f * (plate.y0 + plate.y1), size);
+    bool has_bar = bar.x1 > bar.x0;
+    float right = has_bar ? bar.x1 + inset : bar.x0;
+    float times_size = hud_fitting_size(painter, times, size, bar.x0 - plate.x0 - 2.0f * inset);
+    float state_size = hud_fitting_size(painter, state, size, plate.x1 - inset - right);
+    hud_text(painter, (CanvasPoint){plate.x0 + inset, y}, times_size, CANVAS_LEFT, HUD_INK, times);
     hud_text(painter, (CanvasPoint){plate.x1 - inset, y}, state_size, CANVAS_RIGHT, replay->in_gap ? HUD_WARN : HUD_INK,
              state);
-    CanvasRect bar = {plate.x0 + 2.0f * inset + times_px, 0.5f * (plate.y0 + plate.y1) - 2.5f * u,
-                      plate.x1 - 2.0f * inset - rate_px, 0.5f * (plate.y0 + plate.y1) + 2.5f * u};
-    if (bar.x1 > bar.x0)
+    if (has_bar)
         paint_bar(painter, replay, bar);
 }
