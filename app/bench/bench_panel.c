@@ -17,7 +17,7 @@
 
 #define DEFAULT_FRAMES 60 // of a block
 #define WARM_UP_FRAMES 12 // of each block, in place: the panel opens, or closes, in them
-#define OPENING_MOST 60   // before them, in place as well, while a panel that opened hurries to its first error
+#define OPENING_MOST 60   // before them, in place, at most four blocks: a panel that opened hurries to its first error
 #define BLOCKS 2          // of each kind in a round
 #define ROUNDS_LEAST 5
 #define FRAME_S (1.0 / 60.0)
@@ -104,7 +104,7 @@ static double process_ms(void) {
 // In place: what comes after begins where it does without the panel.
 static Result warm_up(Bench *bench, bool open) {
     Result result = RESULT_OK;
-    int opening = open ? OPENING_MOST : 0;
+    int opening = !open ? 0 : 4 * bench->frames < OPENING_MOST ? 4 * bench->frames : OPENING_MOST;
     for (int i = 0; i < opening + WARM_UP_FRAMES && result == RESULT_OK; i++) {
         result = fly_frame(bench, open, 0.0);
         if (i < opening && monitor_shown(bench->monitor)->error.state == RENDER_ACCURACY_MEASURED)
