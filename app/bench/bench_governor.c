@@ -255,7 +255,11 @@ static bool is_met(Part *part) {
 
 // What stands in the way: the limits of the tolerance, or time that was too short or frames that changed.
 static const char *name_outcome(Part *part) {
-    return is_met(part) ? "in reach" : governor_is_out_of_reach(part->governor.reach) ? "OUT OF REACH" : "NOT MET";
+    if (is_met(part))
+        return "in reach";
+    // On the way it may have been out of reach, too quick at the finest tolerance as well as too slow at the coarsest.
+    bool late = p95_over_target(part) > 1.0 + WITHIN;
+    return late && !governor_is_out_of_reach(part->governor.reach) ? "NOT MET" : "OUT OF REACH";
 }
 
 static void add_part(Json *json, Part *part) {
