@@ -4,6 +4,7 @@
 #pragma once
 #include "base/log.h"
 #include "render/context/context.h"
+#include "render/gl.h"
 
 #include <stdio.h>
 
@@ -18,4 +19,12 @@ static inline bool gl_support_begin(int width, int height, Context **context) {
     }
     printf("skipped: no OpenGL 4.5 without a window\n");
     return false;
+}
+
+// How many programs the present context has.
+static inline int gl_support_programs(void) {
+    int count = 0;
+    for (GLuint name = 1; name < 4096; name++)
+        count += glIsProgram(name) != 0;
+    return count;
 }

@@ -248,9 +248,13 @@ static bool is_within(Part *part) {
     return fabs(p95_over_target(part) - 1.0) <= WITHIN;
 }
 
+static bool is_late(Part *part) {
+    return p95_over_target(part) > 1.0 + WITHIN;
+}
+
 // Frames that do not hold the target are not called in reach, whatever the governor says of itself.
 static bool is_met(Part *part) {
-    return share_in_reach(part) >= 0.95 && p95_over_target(part) <= 1.0 + WITHIN;
+    return share_in_reach(part) >= 0.95 && !is_late(part);
 }
 
 // What stands in the way: the limits of the tolerance, or time that was too short or frames that changed.
@@ -258,8 +262,7 @@ static const char *name_outcome(Part *part) {
     if (is_met(part))
         return "in reach";
     // On the way it may have been out of reach, too quick at the finest tolerance as well as too slow at the coarsest.
-    bool late = p95_over_target(part) > 1.0 + WITHIN;
-    return late && !governor_is_out_of_reach(part->governor.reach) ? "NOT MET" : "OUT OF REACH";
+    return is_late(part) && !governor_is_out_of_reach(part->governor.reach) ? "NOT MET" : "OUT OF REACH";
 }
 
 static void add_part(Json *json, Part *part) {
