@@ -1,6 +1,7 @@
 #define _GNU_SOURCE // RUSAGE_THREAD
 #include "tests/cockpit_support.h"
 
+#include "app/joystick/joystick_files.h"
 #include "tests/device_timing.h"
 #include "tests/flight_support.h"
 
@@ -21,7 +22,21 @@ int __wrap_devices_poll(Devices *devices, DeviceEvent *out, int max);
 int __real_hid_read_timeout(void *device, unsigned char *data, size_t size, int wait_ms);
 int __wrap_hid_read_timeout(void *device, unsigned char *data, size_t size, int wait_ms);
 
-static atomic_long read_bytes; // of all reports, by the devices' threads
+Result __real_joystick_find_profile(const PadInfo *info, PadProfile *out, char path[PATHS_BYTES_MAX]);
+Result __wrap_joystick_find_profile(const PadInfo *info, PadProfile *out, char path[PATHS_BYTES_MAX]);
+
+static atomic_long read_bytes;               // of all reports, by the devices' threads
+static atomic_int files_read[2];             // elsewhere, here
+static _Thread_local bool is_cockpit_thread; // whether it created a cockpit
+
+Result __wrap_joystick_find_profile(const PadInfo *info, PadProfile *out, char path[PATHS_BYTES_MAX]) {
+    atomic_fetch_add(&files_read[is_cockpit_thread], 1);
+    return __real_joystick_find_profile(info, out, path);
+}
+
+int cockpit_files_read(bool here) {
+    return atomic_load(&files_read[here]);
+}
 
 int __wrap_hid_read_timeout(void *device, unsigned char *data, size_t size, int wait_ms) {
     int count = __real_hid_read_timeout(device, data, size, wait_ms);
@@ -80,6 +95,7 @@ Cockpit *cockpit_create(const char *aircraft, bool assist) {
     fake_stick_plug(cockpit->bed, &FAKE_MOUSE, 30); // so that there is a bus, and nothing to read on it
     start_session(cockpit, aircraft, assist);
     present = cockpit;
+    is_cockpit_thread = true;
     return cockpit;
 }
 
@@ -132,21 +148,13 @@ void cockpit_start_clock(Cockpit *cockpit) {
     cockpit->origin_step = cockpit->step_count;
 }
 
-static long preemptions(void) {
-    struct rusage usage;
-    getrusage(RUSAGE_THREAD, &usage);
-    return usage.ru_nivcsw;
-}
-
 static void advance_measured(Cockpit *cockpit, double passed_s) {
     CockpitFrame frame = {.busy_ms = -device_timing_busy_ms(), .sleeps = -device_timing_sleeps()};
-    frame.preempted = -preemptions();
     int64_t begin_ns = clock_now_ns();
     session_advance(cockpit->session, passed_s);
     frame.ms = (double)(clock_now_ns() - begin_ns) * 1e-6;
     frame.busy_ms += device_timing_busy_ms();
     frame.sleeps += device_timing_sleeps();
-    frame.preempted += preemptions();
     assert_true(cockpit->frame_count < COCKPIT_FRAMES_MAX);
     cockpit->frames[cockpit->frame_count++] = frame;
 }

@@ -1,7 +1,8 @@
 // tests/cockpit_support.h: a flight by sticks and pads that are not there: umockdev, hidapi, libusb, Pilot,
 // FlightSession. Times as clock_now_ns; shares of full deflection. A Cockpit is the process's only one; it owns its
-// session, pilot and bed. Its program is linked with --wrap for flight_step, devices_poll and hid_read_timeout: it
-// writes down what the flight got in each step, what the devices said when, and how much of it was read.
+// session, pilot and bed. Its program is linked with --wrap for flight_step, devices_poll, hid_read_timeout and
+// joystick_find_profile: it writes down what the flight got in each step, what the devices said when, how much of it
+// was read, and who read files.
 #pragma once
 #include "app/flight/flight_session.h"
 #include "tests/device_support.h"
@@ -23,8 +24,8 @@ typedef struct CockpitReport {
 } CockpitReport;
 
 typedef struct CockpitFrame {
-    double ms, busy_ms;     // that session_advance took; of the processor's time
-    long sleeps, preempted; // how often the thread gave the processor away, and how often it was taken
+    double ms, busy_ms; // that session_advance took; of the processor's time
+    long sleeps;        // how often the thread gave the processor away
 } CockpitFrame;
 
 typedef struct Cockpit {
@@ -66,3 +67,5 @@ void cockpit_move_stick(Cockpit *cockpit, FakeStick *stick, double x, double y, 
 void cockpit_move_pad(Cockpit *cockpit, FakePad *pad, FakePadHands hands);
 const CockpitStep *cockpit_last(const Cockpit *cockpit);
 void cockpit_sleep_ms(int ms);
+// How often profiles were looked for: by this thread, or by the devices' threads.
+int cockpit_files_read(bool here);

@@ -9,7 +9,6 @@
 
 #include <cmocka.h>
 
-#define STEP_MS (1000.0 / 120.0) // of the flight
 #define REPORTS 200
 
 DeviceFixture *device_fixture_create(void) {
@@ -44,8 +43,7 @@ void device_fixture_time_reports(DeviceFixture *fixture, DeviceSend *send, void 
         assert_true(fabs(event.state.axes[0] - x) < within);
         device_timing_add(&fixture->timing, begin_ns, end_ns);
     }
-    double median_ms = device_timing_print(&fixture->timing, what);
-    assert_true(median_ms < STEP_MS);
+    device_timing_print(&fixture->timing, what);
 }
 
 typedef struct Hand {
@@ -79,6 +77,6 @@ void device_fixture_time_changes(DeviceFixture *fixture, DevicePlug *plug, Devic
     }
     pthread_join(thread, NULL);
     sem_destroy(&fixture->turn);
-    double median_ms = device_timing_print(&fixture->timing, what);
-    assert_true(median_ms < 1.0 && fixture->timing.busy_ms < 1.0);
+    device_timing_print(&fixture->timing, what);
+    assert_true(fixture->timing.sleeps < rounds); // who waits for a device sleeps at each change; for a mutex, rarely
 }

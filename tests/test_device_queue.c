@@ -15,7 +15,7 @@
 
 static int set_up(void **state) {
     DeviceQueue *queue;
-    Result result = device_queue_create(&queue);
+    Result result = device_queue_create(NULL, &queue);
     *state = queue;
     return result == RESULT_OK ? 0 : -1;
 }
@@ -120,6 +120,38 @@ static void test_who_comes_and_goes_unseen_is_never_told(void **state) {
     print_message("%d events after 1000 changes of the device in a slot, expected LEFT and ARRIVED\n", count);
     assert_int_equal(count, 2);
     assert_true(events[0].kind == DEVICE_LEFT && events[1].kind == DEVICE_ARRIVED && events[1].info.product == 999);
+}
+
+typedef struct Hooked {
+    DeviceQueue *queue;
+    int made[DEVICES_MAX]; // product of the latest by slot
+    int calls, told;       // how often; events that could be taken at a call
+} Hooked;
+
+static void make(void *user, int slot, const PadInfo *info) {
+    Hooked *hooked = user;
+    DeviceEvent event;
+    hooked->made[slot] = info->product;
+    hooked->calls++;
+    hooked->told += device_queue_take(hooked->queue, &event, 1);
+}
+
+static void test_the_hook_comes_before_the_arrival(void **state) {
+    (void)state;
+    Hooked hooked = {.calls = 0};
+    DeviceHook hook = {make, &hooked};
+    static DeviceEvent events[DEVICE_QUEUE_EVENTS + 1];
+    PadInfo denied = info_of(9);
+    assert_int_equal(device_queue_create(&hook, &hooked.queue), RESULT_OK);
+    assert_int_equal(join(hooked.queue, 7), 0);
+    assert_true(hooked.calls == 1 && hooked.told == 0 && hooked.made[0] == 7);
+    assert_int_equal(device_queue_join(hooked.queue, &denied, 13), 1);
+    assert_int_equal(hooked.calls, 1); // nothing can be read of it yet
+    assert_int_equal(take_all(hooked.queue, events), 2);
+    device_queue_change(hooked.queue, 1, &denied, 0);
+    assert_true(hooked.calls == 2 && hooked.told == 0 && hooked.made[1] == 9);
+    assert_int_equal(take_all(hooked.queue, events), 1);
+    device_queue_destroy(&hooked.queue);
 }
 
 static void test_who_is_denied_may_be_read_later(void **state) {
@@ -228,6 +260,7 @@ int main(void) {
         QUEUE_TEST(test_a_full_queue_loses_the_oldest_report_of_the_same_device),
         QUEUE_TEST(test_a_device_without_reports_in_a_full_queue_loses_those_of_others),
         QUEUE_TEST(test_who_comes_and_goes_unseen_is_never_told),
+        cmocka_unit_test(test_the_hook_comes_before_the_arrival),
         QUEUE_TEST(test_who_is_denied_may_be_read_later),
         QUEUE_TEST(test_there_are_so_many_slots_and_no_more),
         QUEUE_TEST(test_many_threads_put_and_one_takes),

@@ -18,7 +18,7 @@
 static int set_up(void **state) {
     DeviceFixture *fixture = device_fixture_create();
     *state = fixture;
-    return devices_create(&fixture->devices) == RESULT_OK && devices_wait(fixture->devices, 20.0) ? 0 : -1;
+    return devices_create(NULL, &fixture->devices) == RESULT_OK && devices_wait(fixture->devices, 20.0) ? 0 : -1;
 }
 
 static FakeStick *plug(DeviceFixture *fixture, int number, DeviceEvent *event) {
@@ -122,7 +122,7 @@ static void test_what_is_there_at_the_start_is_found_and_a_mouse_is_left_alone(v
     DeviceEvent events[8];
     fake_stick_plug(fixture->bed, &FAKE_MOUSE, 0);
     fake_stick_plug(fixture->bed, &FAKE_JOYSTICK, 1);
-    assert_int_equal(devices_create(&devices), RESULT_OK);
+    assert_int_equal(devices_create(NULL, &devices), RESULT_OK);
     assert_true(devices_wait(devices, 20.0));
     int count = devices_poll(devices, events, 8);
     print_message("%d events, expected that one stick arrived: %s\n", count, count > 0 ? events[0].info.path : "-");

@@ -19,7 +19,7 @@ static int set_up(void **state) {
     DeviceFixture *fixture = device_fixture_create();
     *state = fixture;
     fake_stick_plug(fixture->bed, &FAKE_MOUSE, 20); // so that there is a bus, and nothing to read on it
-    return devices_create(&fixture->devices) == RESULT_OK ? 0 : -1;
+    return devices_create(NULL, &fixture->devices) == RESULT_OK ? 0 : -1;
 }
 
 static FakePad *plug(DeviceFixture *fixture, int address, DeviceEvent *event) {
@@ -110,7 +110,7 @@ static void test_what_is_there_at_the_start_is_found(void **state) {
     DeviceEvent event, first;
     devices_destroy(&fixture->devices);
     fake_pad_plug(fixture->bed, 3, FAKE_FREE);
-    assert_int_equal(devices_create(&devices), RESULT_OK);
+    assert_int_equal(devices_create(NULL, &devices), RESULT_OK);
     assert_true(devices_wait(devices, 20.0));
     int count = devices_poll(devices, &first, 1), more = devices_poll(devices, &event, 1);
     devices_destroy(&devices);
@@ -213,7 +213,7 @@ static void test_a_pad_too_many_arrives_when_another_leaves(void **state) {
     PadInfo other = {.bus = PAD_BUS_HID};
     Heard heard;
     devices_destroy(&fixture->devices);
-    assert_int_equal(device_queue_create(&queue), RESULT_OK);
+    assert_int_equal(device_queue_create(NULL, &queue), RESULT_OK);
     for (int slot = 0; slot < DEVICES_MAX; slot++) {
         assert_int_equal(device_queue_join(queue, &other, 0), slot);
         expect_one_event(queue, DEVICE_ARRIVED, slot);

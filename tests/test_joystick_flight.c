@@ -500,11 +500,10 @@ static void expect_latency(Cockpit *cockpit, Hand *hand, const PadInfo *info) {
     print_message("%d reports of %d acted, %d were overtaken; in the step that began %.3f to %.3f ms after, expected 0 "
                   "to %.3f\n",
                   latency.count, REPORTS, latency.overtaken, least, most, COCKPIT_STEP_NS * 1e-6);
-    double median_ms = device_timing_print(latency.seen, "from writing a report until the aircraft has moved");
+    device_timing_print(latency.seen, "from writing a report until the aircraft has moved");
     free(latency.seen);
     assert_true(latency.count > REPORTS / 2);
     assert_true(least > -1e-3 && most <= COCKPIT_STEP_NS * 1e-6 + 1e-3);
-    assert_true(median_ms < 100.0); // a step, a frame, and what a busy machine adds
 }
 
 static void test_a_sticks_report_acts_in_the_first_step_that_begins_after_it(void **state) {
@@ -542,12 +541,12 @@ static void *pull_out(void *argument) {
     return NULL;
 }
 
-// By another hand, while frames are flown; the largest of what they took.
-static CockpitFrame frames_around(Plug *plug, void *(*act)(void *), DeviceEventKind kind, DeviceTiming *all) {
+// By another hand, while frames are flown; how often the flight's thread slept in them.
+static long frames_around(Plug *plug, void *(*act)(void *), DeviceEventKind kind, DeviceTiming *all) {
     Cockpit *cockpit = plug->cockpit;
-    CockpitFrame most = {.ms = 0.0};
     pthread_t thread;
     int heard = cockpit->heard[kind], first = cockpit->frame_count, left = FRAMES_EACH;
+    long sleeps = 0;
     assert_int_equal(pthread_create(&thread, NULL, act, plug), 0);
     for (int i = 0; i < 180 && left > 0; i++) {
         cockpit_frame(cockpit);
@@ -559,45 +558,34 @@ static CockpitFrame frames_around(Plug *plug, void *(*act)(void *), DeviceEventK
         const CockpitFrame *frame = &cockpit->frames[i];
         device_timing_add(all, 0, (int64_t)(frame->ms * 1e6));
         all->busy_ms = fmax(all->busy_ms, frame->busy_ms);
-        all->sleeps += frame->sleeps;
-        most.busy_ms = fmax(most.busy_ms, frame->busy_ms);
-        if (frame->preempted == 0) // else another program's work is in it
-            most.ms = fmax(most.ms, frame->ms);
+        sleeps += frame->sleeps;
     }
-    return most;
+    all->sleeps += sleeps;
+    return sleeps;
 }
 
-static double median_of(double values[ROUNDS]) {
-    statistics_sort(values, ROUNDS);
-    return statistics_percentile(values, ROUNDS, 0.5);
-}
-
+// Who waits for a device, a thread or a disk sleeps at every plug; who finds a mutex taken, at one now and then.
 static void test_no_frame_waits_for_a_plug(void **state) {
     Cockpit *cockpit = FLY(state);
     DeviceTiming *in = calloc(1, sizeof *in), *out = calloc(1, sizeof *out);
-    double in_ms[ROUNDS], in_busy_ms[ROUNDS], out_ms[ROUNDS], out_busy_ms[ROUNDS];
     Plug plug = {.cockpit = cockpit};
+    int slept_in = 0, slept_out = 0, here = cockpit_files_read(true), elsewhere = cockpit_files_read(false);
     cockpit_start_clock(cockpit);
     for (int round = 0; round < ROUNDS; round++) {
         plug.number = round;
-        CockpitFrame most = frames_around(&plug, put_in, DEVICE_ARRIVED, in);
-        in_ms[round] = most.ms;
-        in_busy_ms[round] = most.busy_ms;
-        most = frames_around(&plug, pull_out, DEVICE_LEFT, out);
-        out_ms[round] = most.ms;
-        out_busy_ms[round] = most.busy_ms;
+        slept_in += frames_around(&plug, put_in, DEVICE_ARRIVED, in) > 0;
+        slept_out += frames_around(&plug, pull_out, DEVICE_LEFT, out) > 0;
     }
     device_timing_print(in, "session_advance around plugging in");
     device_timing_print(out, "session_advance around unplugging");
-    double in_most = median_of(in_ms), out_most = median_of(out_ms);
-    double in_busy = median_of(in_busy_ms), out_busy = median_of(out_busy_ms);
-    print_message("largest of a round, median of %d: plugging in %.3f ms (processor %.3f), unplugging %.3f ms "
-                  "(processor %.3f)\n",
-                  ROUNDS, in_most, in_busy, out_most, out_busy);
+    here = cockpit_files_read(true) - here;
+    elsewhere = cockpit_files_read(false) - elsewhere;
+    print_message("slept in %d and %d of %d rounds; profiles looked for by this thread %d times, by others %d\n",
+                  slept_in, slept_out, ROUNDS, here, elsewhere);
     free(in);
     free(out);
-    assert_true(out_busy < 1.0 && out_most < 1.0);
-    assert_true(in_busy < 1.0 && in_most < 1.0);
+    assert_true(slept_in <= ROUNDS / 2 && slept_out <= ROUNDS / 2);
+    assert_true(here == 0 && elsewhere == ROUNDS);
 }
 
 #define COCKPIT_TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)

@@ -332,18 +332,31 @@ static double ms_since(int64_t begin_ns) {
     return (double)(clock_now_ns() - begin_ns) * 1e-6;
 }
 
-static void test_a_seek_in_three_hours_takes_less_than_a_second(void **state) {
+typedef struct Counted {
+    Toy toy;
+    uint32_t steps; // that it was flown
+} Counted;
+
+static void count_step(void *user, const Controls *controls) {
+    Counted *counted = user;
+    toy_step(&counted->toy, controls);
+    counted->steps++;
+}
+
+static void test_a_seek_in_three_hours_flies_from_the_nearest_keyframe(void **state) {
     (void)state;
     char path[128];
     uint32_t steps = 3 * 3600 * RECORDING_STEPS_PER_S;
     uint64_t random = 14;
     double worst_ms = 0.0, total_ms = 0.0;
+    uint32_t most_steps = 0;
     RecordingReader *reader;
     RecordingPlayer *player;
     support_path("long", path);
     support_record(path, 14, steps);
-    Toy held = toy_create(1);
-    RecordingSim sim = toy_sim(&held);
+    Counted held = {.toy = toy_create(1)};
+    RecordingSim sim = toy_sim(&held.toy);
+    sim.step = count_step;
     int64_t begin_ns = clock_now_ns();
     assert_int_equal(recording_reader_open(path, &reader), RESULT_OK);
     double open_ms = ms_since(begin_ns);
@@ -352,15 +365,17 @@ static void test_a_seek_in_three_hours_takes_less_than_a_second(void **state) {
     for (int i = 0; i < 100; i++) {
         uint32_t at = (uint32_t)(support_random(&random) % steps);
         begin_ns = clock_now_ns();
+        held.steps = 0;
         assert_int_equal(recording_player_seek(player, at), RESULT_OK);
+        most_steps = held.steps > most_steps ? held.steps : most_steps;
         double ms = ms_since(begin_ns);
         total_ms += ms;
         worst_ms = ms > worst_ms ? ms : worst_ms;
-        assert_int_equal(held.word[TOY_WORDS - 1], at);
+        assert_int_equal(held.toy.word[TOY_WORDS - 1], at);
     }
-    print_message("3 h: opened and checked in %.1f ms; seeks: mean %.2f ms, longest %.2f ms, limit 1000 ms\n", open_ms,
-                  total_ms / 100, worst_ms);
-    assert_true(worst_ms < 1000.0);
+    print_message("3 h: opened and checked in %.1f ms; seeks: mean %.2f ms, longest %.2f ms, %u steps flown at most\n",
+                  open_ms, total_ms / 100, worst_ms, most_steps);
+    assert_true(most_steps > 0 && most_steps <= RECORDING_KEYFRAME_STEPS);
     recording_player_destroy(&player);
     recording_reader_close(&reader);
     unlink(path);
@@ -376,7 +391,7 @@ int main(void) {
         cmocka_unit_test(test_reverse_play_and_leaps_show_the_states_of_the_flight),
         cmocka_unit_test(test_the_player_remembers_the_first_difference),
         cmocka_unit_test(test_a_gap_is_shown_as_one),
-        cmocka_unit_test(test_a_seek_in_three_hours_takes_less_than_a_second),
+        cmocka_unit_test(test_a_seek_in_three_hours_flies_from_the_nearest_keyframe),
     };
     return cmocka_run_group_tests_name("test_recording_replay", tests, NULL, NULL);
 }

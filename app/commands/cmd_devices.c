@@ -135,7 +135,7 @@ Result cmd_devices(const Options *options) {
         log_set_level(LOG_ERROR); // the list says what the log would
     signals_hold(&before);
     device_list_init(&show->list);
-    Result result = devices_create(&show->devices);
+    Result result = devices_create(NULL, &show->devices);
     if (result == RESULT_OK)
         result = run(show, options);
     devices_destroy(&show->devices);

@@ -1,6 +1,6 @@
 #include "app/pilot/pilot.h"
 
-#include "app/joystick/joystick_files.h"
+#include "app/pilot/pad_setups.h"
 #include "base/log.h"
 
 #include <math.h>
@@ -13,6 +13,7 @@
 _Static_assert(MAPPER_SLOTS >= DEVICES_MAX, "each device has a slot");
 
 struct Pilot {
+    PadSetups *setups;
     Devices *devices; // NULL: none can be looked for
     Mapper mapper;
     bool connected[DEVICES_MAX];
@@ -31,7 +32,13 @@ Result pilot_create(Pilot **out) {
         return RESULT_MEMORY;
     }
     mapper_init(&pilot->mapper);
-    if (devices_create(&pilot->devices) != RESULT_OK)
+    Result result = pad_setups_create(&pilot->setups);
+    if (result != RESULT_OK) {
+        free(pilot);
+        return result;
+    }
+    DeviceHook hook = pad_setups_hook(pilot->setups);
+    if (devices_create(&hook, &pilot->devices) != RESULT_OK)
         log_warn("flying without sticks and gamepads");
     *out = pilot;
     return RESULT_OK;
@@ -42,6 +49,7 @@ void pilot_destroy(Pilot **pilot) {
         return;
     if ((*pilot)->devices)
         devices_destroy(&(*pilot)->devices);
+    pad_setups_destroy(&(*pilot)->setups);
     free(*pilot);
     *pilot = NULL;
 }
@@ -60,20 +68,18 @@ void pilot_poll(Pilot *pilot) {
 // ---- what happens to pads ----
 
 static void connect(Pilot *pilot, const DeviceEvent *event, char message[PILOT_MESSAGE_BYTES]) {
-    char path[PATHS_BYTES_MAX];
-    PadProfile profile;
-    PadCalibration calibration;
-    bool has_profile = joystick_find_profile(&event->info, &profile, path) == RESULT_OK;
-    bool is_calibrated = joystick_load_calibration(&event->info, &calibration) == RESULT_OK;
-    mapper_connect(&pilot->mapper, event->slot, &event->info, has_profile ? &profile : NULL,
-                   is_calibrated ? &calibration : NULL);
+    PadSetup *setup = pad_setups_take(pilot->setups, event->slot, &event->info);
+    bool has_profile = setup && setup->has_profile;
+    mapper_connect(&pilot->mapper, event->slot, &event->info, has_profile ? &setup->profile : NULL,
+                   setup && setup->is_calibrated ? &setup->calibration : NULL);
     pilot->connected[event->slot] = true;
     pilot->reported[event->slot] = false;
     pilot->infos[event->slot] = event->info;
     snprintf(message, PILOT_MESSAGE_BYTES, "%.60s: %s", event->info.name,
-             has_profile ? profile.name : "no profile of its own, flying with the usual one");
+             has_profile ? setup->profile.name : "no profile of its own, flying with the usual one");
     log_info("joystick: %s (%04x:%04x): %s", event->info.name, event->info.vendor, event->info.product,
-             has_profile ? path : "no profile; overfly devices shows what moves what");
+             has_profile ? setup->path : "no profile; overfly devices shows what moves what");
+    free(setup);
 }
 
 // ", with it throttle, rudder": what its axes drive.

@@ -6,7 +6,7 @@
 #include "input/devices/devices.h"
 #include "input/mapper.h"
 
-#define PILOT_MESSAGE_BYTES 160
+#define PILOT_MESSAGE_BYTES 192
 #define PILOT_EVERYTHING INT64_MAX // for pilot_hear: whatever has come
 
 typedef struct Pilot Pilot;

@@ -10,7 +10,7 @@
 #include "render/render.h"
 #include "terrain/lod/lod.h"
 
-#define PIPELINE_MESSAGE_BYTES 160
+#define PIPELINE_MESSAGE_BYTES 192
 
 // What a frame shall show. Copied on submission.
 typedef struct FrameOrder {

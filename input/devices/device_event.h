@@ -21,3 +21,11 @@ typedef struct DeviceEvent {
     PadInfo info;    // ARRIVED, DENIED
     PadState state;  // REPORT: all of it, not only what changed
 } DeviceEvent;
+
+// What is to be done before a device is told of, which may take its time. `make`, NULL for nothing, is called by the
+// thread that found the device, before its DEVICE_ARRIVED can be taken, with no mutex held; several may call at once,
+// for different slots.
+typedef struct DeviceHook {
+    void (*make)(void *user, int slot, const PadInfo *info);
+    void *user;
+} DeviceHook;

@@ -13,6 +13,7 @@
 _Static_assert(DEVICE_QUEUE_EVENTS > 2 * DEVICES_MAX, "the queue holds more than all that may not be lost");
 
 struct DeviceQueue {
+    DeviceHook hook;
     pthread_mutex_t mutex;
     DeviceEvent events[DEVICE_QUEUE_EVENTS]; // oldest first
     int count;
@@ -21,12 +22,14 @@ struct DeviceQueue {
     int64_t lost;
 };
 
-Result device_queue_create(DeviceQueue **queue) {
+Result device_queue_create(const DeviceHook *hook, DeviceQueue **queue) {
     *queue = calloc(1, sizeof **queue);
     if (!*queue) {
         log_error("devices: no memory for a queue of %zu bytes", sizeof **queue);
         return RESULT_MEMORY;
     }
+    if (hook)
+        (*queue)->hook = *hook;
     pthread_mutex_init(&(*queue)->mutex, NULL);
     return RESULT_OK;
 }
@@ -67,12 +70,6 @@ static DeviceEvent *append(DeviceQueue *queue, DeviceEventKind kind, int slot) {
     return event;
 }
 
-static void announce(DeviceQueue *queue, int slot, const PadInfo *info, int error) {
-    DeviceEvent *event = append(queue, error ? DEVICE_DENIED : DEVICE_ARRIVED, slot);
-    event->error = error;
-    event->info = *info;
-}
-
 static void forget(DeviceQueue *queue, int slot, bool reports_too) {
     for (int i = queue->count - 1; i >= 0; i--) {
         const DeviceEvent *event = &queue->events[i];
@@ -96,23 +93,29 @@ bool device_queue_has_room(DeviceQueue *queue) {
     return has_room;
 }
 
+void device_queue_change(DeviceQueue *queue, int slot, const PadInfo *info, int error) {
+    if (!error && queue->hook.make)
+        queue->hook.make(queue->hook.user, slot, info);
+    pthread_mutex_lock(&queue->mutex);
+    forget(queue, slot, false);
+    DeviceEvent *event = append(queue, error ? DEVICE_DENIED : DEVICE_ARRIVED, slot);
+    event->error = error;
+    event->info = *info;
+    pthread_mutex_unlock(&queue->mutex);
+}
+
 int device_queue_join(DeviceQueue *queue, const PadInfo *info, int error) {
     pthread_mutex_lock(&queue->mutex);
     int slot = free_slot(queue);
     if (slot < DEVICES_MAX) {
         queue->taken[slot] = true;
         queue->told[slot] = false;
-        announce(queue, slot, info, error);
     }
     pthread_mutex_unlock(&queue->mutex);
-    return slot < DEVICES_MAX ? slot : -1;
-}
-
-void device_queue_change(DeviceQueue *queue, int slot, const PadInfo *info, int error) {
-    pthread_mutex_lock(&queue->mutex);
-    forget(queue, slot, false);
-    announce(queue, slot, info, error);
-    pthread_mutex_unlock(&queue->mutex);
+    if (slot == DEVICES_MAX)
+        return -1;
+    device_queue_change(queue, slot, info, error);
+    return slot;
 }
 
 void device_queue_report(DeviceQueue *queue, int slot, int64_t time_ns, const PadState *state) {

@@ -9,10 +9,11 @@
 
 typedef struct DeviceQueue DeviceQueue;
 
-MUST_USE Result device_queue_create(DeviceQueue **queue); // MEMORY
+MUST_USE Result device_queue_create(const DeviceHook *hook, DeviceQueue **queue); // MEMORY
 void device_queue_destroy(DeviceQueue **queue);
 
-// A free slot for a device, and ARRIVED, or DENIED where `error`, of errno, is not 0. -1: all slots are taken.
+// A free slot for a device, and ARRIVED, after the hook was called, or DENIED where `error`, of errno, is not 0. -1:
+// all slots are taken.
 int device_queue_join(DeviceQueue *queue, const PadInfo *info, int error);
 bool device_queue_has_room(DeviceQueue *queue);
 // A device that was denied: it can be read now (ARRIVED), or not for another reason (DENIED).

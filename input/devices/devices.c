@@ -33,13 +33,13 @@ static Result start(Devices *devices) {
     return result;
 }
 
-Result devices_create(Devices **out) {
+Result devices_create(const DeviceHook *hook, Devices **out) {
     Devices *devices = calloc(1, sizeof *devices);
     if (!devices) {
         log_error("devices: no memory");
         return RESULT_MEMORY;
     }
-    Result result = device_queue_create(&devices->queue);
+    Result result = device_queue_create(hook, &devices->queue);
     if (result == RESULT_OK)
         result = start(devices);
     if (result != RESULT_OK)

@@ -7,8 +7,8 @@
 typedef struct Devices Devices;
 
 // Starts to look for devices, and to read those found. A bus that cannot be looked at is left out, and
-// devices_lack says why. MEMORY, DEVICE: logged.
-MUST_USE Result devices_create(Devices **devices);
+// devices_lack says why. `hook` NULL: nothing is done before a device is told of. MEMORY, DEVICE: logged.
+MUST_USE Result devices_create(const DeviceHook *hook, Devices **devices);
 // Within about a second: ends the threads, stops motors, hands devices back. NULL inside is accepted.
 void devices_destroy(Devices **devices);
 
