@@ -33,7 +33,7 @@ class Flight:
         self.lines, self.held, self.newest = [], set(), None
         self.program = subprocess.Popen(
             [overfly, "fly", dem, "--aircraft", "c172", "--on-ground", "--eye", "47.1,10.05,300", "--look", "90,0",
-             "--size", "320x200", "--tau", "8", "--no-joystick", "--no-hud", "--telemetry", "-"],
+             "--size", "320x200", "--tau", "8", "--fps", "20", "--no-joystick", "--no-hud", "--telemetry", "-"],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment, text=True)
         self.errors = []
         threading.Thread(target=self.listen, daemon=True).start()
