@@ -381,6 +381,9 @@ static void text_stays_inside_and_apart_at_its_widest(void **state) {
             packet.hud.right_method = "roam-parallel";
             packet.hud.show_numbers = help < 4;
             packet.hud.show_names = help >= 4;
+            packet.hud.target_ms = 12345.6;
+            packet.hud.target_out_of_reach = variant % 3 == 1;
+            packet.hud.target_missed = variant % 3 == 2;
             if (variant >= 6 && variant < 12)
                 packet.hud.accuracy = extreme_accuracy();
             packet.hud.outside = packet.hud.map.show = variant >= 12;
@@ -463,6 +466,23 @@ static void an_aircraft_without_engine_has_no_throttle(void **state) {
         packet.hud.no_engine = none;
         hud_paint(bench->canvas, bench->text, &packet, NULL, 1280, 800);
         assert_int_equal(find_text(bench, "THR") > 0.0f, !none);
+    }
+}
+
+static void a_target_says_whether_it_is_held(void **state) {
+    Bench *bench = *state;
+    Place place = {0.6, -1.4, 12000.0};
+    for (int reach = 0; reach < 3; reach++) {
+        RenderPacket packet = packet_make(place, axes_turn(place, 3.0, 0.05, 0.1), 60.0 * RAD);
+        packet.hud.show_numbers = true;
+        packet.hud.target_ms = 16.7;
+        packet.hud.target_out_of_reach = reach == 1;
+        packet.hud.target_missed = reach == 2;
+        hud_paint(bench->canvas, bench->text, &packet, NULL, 1280, 800);
+        assert_true(find_text(bench, "target") > 0.0f && find_text(bench, "16.7") > 0.0f);
+        // a space is no shape
+        assert_int_equal(find_text(bench, "outofreach") > 0.0f, reach == 1);
+        assert_int_equal(find_text(bench, "notmet") > 0.0f, reach == 2);
     }
 }
 
@@ -1063,6 +1083,7 @@ int main(void) {
         cmocka_unit_test(every_state_is_told_at_every_size),
         cmocka_unit_test(what_is_neutral_is_not_told),
         cmocka_unit_test(an_aircraft_without_engine_has_no_throttle),
+        cmocka_unit_test(a_target_says_whether_it_is_held),
         cmocka_unit_test(smaller_windows_have_no_display),
         cmocka_unit_test(horizon_is_within_half_a_pixel),
         cmocka_unit_test(flight_path_marker_is_within_half_a_pixel),
