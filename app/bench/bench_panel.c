@@ -22,7 +22,7 @@
 #define DEFAULT_FRAMES 5 // of a block, that count
 #define DEFAULT_ROUNDS 120
 #define ROUNDS_LEAST 5
-#define LEAD_FRAMES 2     // before them: stages overlap, so that these are partly of the block before
+#define LEAD_FRAMES 2     // before them: nothing overlaps with the first one, as the block before is drawn to its end
 #define OPENING_MOST 120  // in place, to the first error
 #define OPENING_BLOCKS 20 // and not more than so many blocks
 #define BLOCKS 2          // of each kind in a round
@@ -144,21 +144,21 @@ static double process_ms(void) {
     return (double)used.tv_sec * 1e3 + (double)used.tv_nsec * 1e-6;
 }
 
-// Over the stretch, or back. Adds to `work_ms` what the processors worked in the frames that count.
+// Over the stretch, or back, until all of it is drawn. Adds to `work_ms` what the processors worked.
 static Result fly_block(Bench *bench, int kind, bool back, double *work_ms) {
     int stretch = stretch_of(bench);
-    double processor_ms = 0.0;
+    monitor_rest(bench->monitor, kind == WITHOUT);
+    double processor_ms = process_ms();
     int64_t begin_ns = clock_now_ns();
     Result result = RESULT_OK;
-    monitor_rest(bench->monitor, kind == WITHOUT);
     for (int i = 0; i < stretch && result == RESULT_OK; i++) {
-        if (i == LEAD_FRAMES)
-            processor_ms = process_ms();
         uint64_t revision = monitor_shown(bench->monitor)->revision;
         result = fly_frame(bench, kind, &bench->orders[back ? stretch - 1 - i : i]);
         bench->painted += kind == WITH && i >= LEAD_FRAMES;
         bench->paintings += i >= LEAD_FRAMES && monitor_shown(bench->monitor)->revision != revision;
     }
+    if (result == RESULT_OK)
+        result = pipeline_drain(bench->pipeline);
     *work_ms += process_ms() - processor_ms;
     bench->flown_ms += kind == WITH ? (double)(clock_now_ns() - begin_ns) * 1e-6 : 0.0;
     return result;
@@ -189,8 +189,6 @@ static Result fly_rounds(Bench *bench) {
         result = fly_round(bench, round);
         progress_update(&progress, (double)(round + 1) / bench->rounds);
     }
-    if (result == RESULT_OK)
-        result = pipeline_drain(bench->pipeline);
     hear(bench);
     bench->spent_ms = monitor_spent_ms(bench->monitor) - spent_ms;
     progress_end(&progress);
