@@ -457,7 +457,7 @@ def the_cost_of_the_panel_is_measured(cli):
             raise Fault(f"expected a spread, found {share}")
     low, high = report["cost_share"]["median_95"]
     expect("the limit", report["limit"], "met" if high <= 0.03 else "missed" if low > 0.03 else "undecided")
-    # Four times a second and in every twelfth frame at most; of the 40 that count here.
+    # Four times a second and in every twelfth frame at most; of 40 here.
     if not 0 <= report["painted_share"] <= 0.25:
         raise Fault(f"painted in {report['painted_share']} of the frames")
     if not report["frame_ms_without"]["p50"] > 0 or not report["frame_ms_with"]["p50"] > 0:

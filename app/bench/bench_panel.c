@@ -19,12 +19,11 @@
 #include <string.h>
 #include <time.h>
 
-#define DEFAULT_FRAMES 5 // of a block, that count
-#define DEFAULT_ROUNDS 120
+#define DEFAULT_FRAMES 3 // of a block: rounds of longer ones differ as much, and are fewer
+#define DEFAULT_ROUNDS 240
 #define ROUNDS_LEAST 5
-#define LEAD_FRAMES 2     // before them: nothing overlaps with the first one, as the block before is drawn to its end
 #define OPENING_MOST 120  // in place, to the first error
-#define OPENING_BLOCKS 20 // and not more than so many blocks
+#define OPENING_BLOCKS 40 // and not more than so many blocks
 #define BLOCKS 2          // of each kind in a round
 #define FRAME_S (1.0 / 60.0)
 #define COST_LIMIT 0.03
@@ -45,19 +44,15 @@ typedef struct Bench {
     double *drawn_ms;          // of all frames, by number
     int64_t heard, room;       // frames, of `drawn_ms`
     int64_t first;             // number of the first frame of the first round
-    double *frame_ms[KINDS];   // that count, one block after another
+    double *frame_ms[KINDS];   // one block after another
     double *cost, *work;       // of the rounds: logarithm of with over without, of frame time and of all threads' time
     double spent_ms, flown_ms; // by the monitor's thread; in blocks with the panel
-    int painted, paintings;    // frames with the panel that count; how often it was painted in them
+    int painted, paintings;    // frames with the panel; how often it was painted in them
 } Bench;
 
-static int stretch_of(const Bench *bench) {
-    return LEAD_FRAMES + bench->frames;
-}
-
 static Result allocate(Bench *bench) {
-    size_t rounds = (size_t)bench->rounds, stretch = (size_t)stretch_of(bench);
-    size_t counted = BLOCKS * (size_t)bench->frames * rounds;
+    size_t rounds = (size_t)bench->rounds, stretch = (size_t)bench->frames;
+    size_t counted = BLOCKS * stretch * rounds;
     bench->room = (int64_t)(KINDS * BLOCKS * stretch * rounds) + OPENING_MOST + 1;
     bench->session = calloc(1, sizeof *bench->session);
     bench->orders = calloc(stretch, sizeof *bench->orders);
@@ -144,18 +139,18 @@ static double process_ms(void) {
     return (double)used.tv_sec * 1e3 + (double)used.tv_nsec * 1e-6;
 }
 
-// Over the stretch, or back, until all of it is drawn. Adds to `work_ms` what the processors worked.
+// Over the stretch, or back, until all of it is drawn: orders run ahead of drawing, and none of the next block shall.
+// Adds to `work_ms` what the processors worked.
 static Result fly_block(Bench *bench, int kind, bool back, double *work_ms) {
-    int stretch = stretch_of(bench);
     monitor_rest(bench->monitor, kind == WITHOUT);
     double processor_ms = process_ms();
     int64_t begin_ns = clock_now_ns();
     Result result = RESULT_OK;
-    for (int i = 0; i < stretch && result == RESULT_OK; i++) {
+    for (int i = 0; i < bench->frames && result == RESULT_OK; i++) {
         uint64_t revision = monitor_shown(bench->monitor)->revision;
-        result = fly_frame(bench, kind, &bench->orders[back ? stretch - 1 - i : i]);
-        bench->painted += kind == WITH && i >= LEAD_FRAMES;
-        bench->paintings += i >= LEAD_FRAMES && monitor_shown(bench->monitor)->revision != revision;
+        result = fly_frame(bench, kind, &bench->orders[back ? bench->frames - 1 - i : i]);
+        bench->painted += kind == WITH;
+        bench->paintings += monitor_shown(bench->monitor)->revision != revision;
     }
     if (result == RESULT_OK)
         result = pipeline_drain(bench->pipeline);
@@ -171,7 +166,7 @@ static int kind_of(int round, int block) {
 static Result fly_round(Bench *bench, int round) {
     double work_ms[KINDS] = {0.0, 0.0};
     Result result = RESULT_OK;
-    for (int i = 0; i < stretch_of(bench); i++) {
+    for (int i = 0; i < bench->frames; i++) {
         session_advance(bench->session, FRAME_S);
         order_frame(bench, &bench->orders[i]);
     }
@@ -197,10 +192,10 @@ static Result fly_rounds(Bench *bench) {
 
 // ---- what came of it ----
 
-// The frames of a block that count, one after another.
+// The frames of a block.
 static const double *times_of(const Bench *bench, int round, int block) {
     int64_t blocks = (int64_t)round * KINDS * BLOCKS + block;
-    return bench->drawn_ms + bench->first + blocks * stretch_of(bench) + LEAD_FRAMES;
+    return bench->drawn_ms + bench->first + blocks * bench->frames;
 }
 
 // Sums of blocks: the frames that paint the panel have their due share in them.
@@ -245,7 +240,7 @@ static void add_spread(Json *parent, const char *name, const Spread *spread) {
     json_add_number(object, "max", spread->max);
 }
 
-// Of the frames that count.
+// Of the frames that show it.
 static double painted_share(const Bench *bench) {
     return (double)bench->paintings / bench->painted;
 }

@@ -243,6 +243,8 @@ static void skip_frames(Monitor *monitor, int64_t rested_ns) {
 void monitor_rest(Monitor *monitor, bool resting) {
     Watch *watch = &monitor->watch;
     int64_t now_ns = clock_now_ns();
+    if (resting && !watch->resting) // `resting` is written by this thread alone
+        hear_frames(monitor);
     pthread_mutex_lock(&watch->lock);
     bool ends = watch->resting && !resting;
     int64_t rested_ns = ends ? now_ns - watch->resting_since_ns : 0;
