@@ -14,6 +14,7 @@
 #include "render/context/context.h"
 #include "render/gl.h"
 #include "render/hud/hud.h"
+#include "render/hud/hud_paint.h"
 #include "terrain/geodesy.h"
 
 #define WIDTH 1280
@@ -52,12 +53,16 @@ static RenderPacket packet_make(double pitch, double bank) {
     return packet;
 }
 
-static void draw(Bench *bench, const RenderPacket *packet) {
-    glClearColor(0.0f, 0.0f, 0.0f, 1.0f);
+static void draw_over(Bench *bench, const RenderPacket *packet, float grey) {
+    glClearColor(grey, grey, grey, 1.0f);
     glClear(GL_COLOR_BUFFER_BIT);
     hud_draw(bench->hud, packet, NULL, WIDTH, HEIGHT);
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
     glReadPixels(0, 0, WIDTH, HEIGHT, GL_RGB, GL_UNSIGNED_BYTE, bench->rgb);
+}
+
+static void draw(Bench *bench, const RenderPacket *packet) {
+    draw_over(bench, packet, 0.0f);
 }
 
 static int set_up(void **state) {
@@ -262,6 +267,35 @@ static void accuracy_is_kept_until_it_changes(void **state) {
     assert_true(hash_of(bench) == without);
 }
 
+// What lies under the panel shows at its round corners and nowhere else, which is why it may be copied.
+static void accuracy_is_opaque_but_for_its_corners(void **state) {
+    Bench *bench = *state;
+    RenderPacket packet = packet_make(0.05, 0.0);
+    tell_accuracy(&packet, 7, 1.0);
+    CanvasRect place = hud_accuracy_place(&packet, WIDTH, HEIGHT);
+    int x0 = (int)place.x0, x1 = (int)place.x1, y0 = HEIGHT - (int)place.y1, y1 = HEIGHT - (int)place.y0;
+    uint8_t(*dark)[WIDTH][3] = malloc(sizeof bench->rgb);
+    assert_true(dark && x1 - x0 > 100 && y1 - y0 > 40);
+    draw_over(bench, &packet, 0.0f);
+    memcpy(dark, bench->rgb, sizeof bench->rgb);
+    draw_over(bench, &packet, 1.0f);
+    int edge = hud_accuracy_edge_px(&packet, WIDTH, HEIGHT), showing = 0, unpainted = 0;
+    for (int y = y0; y < y1; y++)
+        for (int x = x0; x < x1; x++) {
+            bool is_corner = (y < y0 + edge || y >= y1 - edge) && (x < x0 + edge || x >= x1 - edge);
+            showing += !is_corner && memcmp(dark[y][x], bench->rgb[y][x], 3) != 0;
+            unpainted += dark[y][x][2] == 0;
+        }
+    print_message("%d pixels let the ground through, %d are not painted\n", showing, unpainted);
+    assert_int_equal(showing, 0);
+    assert_in_range(unpainted, 4, 40);
+    for (int i = 0; i < 4; i++) {
+        const uint8_t *corner = bench->rgb[i < 2 ? y0 : y1 - 1][i % 2 ? x0 : x1 - 1];
+        assert_true(corner[0] > 200 && corner[1] > 200 && corner[2] > 200);
+    }
+    free(dark);
+}
+
 // Odd state of the caller changes nothing of the picture.
 static void picture_does_not_depend_on_the_state_before(void **state) {
     Bench *bench = *state;
@@ -293,6 +327,7 @@ int main(void) {
         cmocka_unit_test(marker_is_drawn_where_the_flight_path_points),
         cmocka_unit_test(bank_pointer_stands_at_the_bank_angle),
         cmocka_unit_test(accuracy_is_kept_until_it_changes),
+        cmocka_unit_test(accuracy_is_opaque_but_for_its_corners),
         cmocka_unit_test(state_of_gl_is_as_before),
         cmocka_unit_test(picture_does_not_depend_on_the_state_before),
     };

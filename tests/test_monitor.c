@@ -334,6 +334,52 @@ static void a_closed_panel_works_no_more_and_forgets(void **state) {
     pipeline_destroy(&pipeline);
 }
 
+// Neither the frames that do not show it count nor the time: no refresh is due that would not have been.
+static void a_panel_at_rest_works_not_and_forgets_nothing(void **state) {
+    (void)state;
+    SKIP_WHERE_THREADS_ARE_WATCHED();
+    Pipeline *pipeline = start(true, LOD_HYBRID);
+    Monitor *monitor = watch(pipeline);
+    FrameOrder order = order_at(0.5, LOD_HYBRID);
+    watch_until(pipeline, monitor, &order, RENDER_ACCURACY_MEASURED, 0);
+    assert_int_equal(pipeline_drain(pipeline), RESULT_OK);
+    monitor_rest(monitor, true);
+    uint64_t revision = monitor_shown(monitor)->revision;
+    double spent_ms = -1.0, before_ms = 0.0;
+    // The piece of work in hand is done to its end.
+    for (int i = 0; i < 4 && spent_ms != before_ms; i++) {
+        before_ms = monitor_spent_ms(monitor);
+        fly(pipeline, LOD_HYBRID, 50, 75);
+        assert_int_equal(pipeline_drain(pipeline), RESULT_OK);
+        clock_sleep_until_ns(clock_now_ns() + 250000000);
+        spent_ms = monitor_spent_ms(monitor);
+    }
+    print_message("%.1f ms worked, and %.1f at rest\n", before_ms, spent_ms - before_ms);
+    assert_true(spent_ms == before_ms);
+    monitor_rest(monitor, false);
+    monitor_follow(monitor, true, &order);
+    assert_int_equal(monitor_shown(monitor)->error.state, RENDER_ACCURACY_MEASURED);
+    print_message("revision %d before, %d after\n", (int)revision, (int)monitor_shown(monitor)->revision);
+    assert_true(monitor_shown(monitor)->revision == revision);
+    // Frames that show it count, however few there are between two rests.
+    for (int i = 0; i < 14; i++) {
+        monitor_follow(monitor, true, &order);
+        fly(pipeline, LOD_HYBRID, 50, 51);
+        assert_int_equal(pipeline_drain(pipeline), RESULT_OK);
+        clock_sleep_until_ns(clock_now_ns() + 22000000);
+        monitor_rest(monitor, true);
+        monitor_rest(monitor, false);
+    }
+    monitor_follow(monitor, true, &order);
+    assert_true(monitor_shown(monitor)->revision > revision);
+    int64_t end_ns = clock_now_ns() + WAIT_NS;
+    while ((spent_ms = monitor_spent_ms(monitor)) == before_ms && clock_now_ns() < end_ns)
+        submit(pipeline, &order);
+    assert_true(spent_ms > before_ms);
+    monitor_destroy(&monitor);
+    pipeline_destroy(&pipeline);
+}
+
 static void it_goes_along_with_changes_of_method_and_ends_in_the_middle(void **state) {
     (void)state;
     for (int round = 0; round < 3; round++) {
@@ -379,6 +425,7 @@ int main(void) {
         cmocka_unit_test(a_change_of_lens_or_size_begins_anew),
         cmocka_unit_test(a_change_of_tolerance_moves_the_point_at_once),
         cmocka_unit_test(a_closed_panel_works_no_more_and_forgets),
+        cmocka_unit_test(a_panel_at_rest_works_not_and_forgets_nothing),
         cmocka_unit_test(it_goes_along_with_changes_of_method_and_ends_in_the_middle),
         cmocka_unit_test(memory_does_not_grow_with_the_flight),
     };

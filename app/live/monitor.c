@@ -232,6 +232,32 @@ void monitor_follow(Monitor *monitor, bool open, FrameOrder *order) {
         order->look.hud.accuracy = monitor->shown;
 }
 
+// The frames drawn meanwhile are skipped, so that a refresh comes after as many as ever that show the panel.
+static void skip_frames(Monitor *monitor, int64_t rested_ns) {
+    int64_t skipped = pipeline_stats(monitor->watch.options.pipeline).frames - monitor->heard;
+    monitor->heard += skipped;
+    monitor->refreshed_frame += skipped;
+    monitor->refreshed_ns += rested_ns;
+}
+
+void monitor_rest(Monitor *monitor, bool resting) {
+    Watch *watch = &monitor->watch;
+    int64_t now_ns = clock_now_ns();
+    if (resting && !watch->resting) // `resting` is written by this thread alone
+        hear_frames(monitor);
+    pthread_mutex_lock(&watch->lock);
+    bool ends = watch->resting && !resting;
+    int64_t rested_ns = ends ? now_ns - watch->resting_since_ns : 0;
+    if (resting && !watch->resting)
+        watch->resting_since_ns = now_ns;
+    watch->resting = resting;
+    watch->rested_ns += rested_ns;
+    pthread_cond_broadcast(&watch->changed);
+    pthread_mutex_unlock(&watch->lock);
+    if (ends)
+        skip_frames(monitor, rested_ns);
+}
+
 const RenderAccuracy *monitor_shown(const Monitor *monitor) {
     return &monitor->shown;
 }

@@ -25,6 +25,9 @@ void monitor_destroy(Monitor **monitor);
 // With each frame, before it is submitted: hears of the frames drawn since, and fills `order->look.hud.accuracy`.
 // `open`: the panel is shown; else nothing is worked on, and what was measured is forgotten.
 void monitor_follow(Monitor *monitor, bool open, FrameOrder *order);
+// Between `true` and `false` an open panel stays as it is, in frames that do not show it: the thread rests, nothing is
+// forgotten, and neither the frames drawn meanwhile nor that time count. No monitor_follow meanwhile.
+void monitor_rest(Monitor *monitor, bool resting);
 // What the panel showed last; `show` is false when it never was open. Until the next monitor_follow.
 const RenderAccuracy *monitor_shown(const Monitor *monitor);
 // What the thread has used of a processor so far.

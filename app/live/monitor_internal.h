@@ -34,6 +34,9 @@ typedef struct Watch {
     pthread_cond_t changed; // its clock is the monotonic one
     // Under the lock.
     bool open, leaving;
+    bool resting;      // all stays as it is
+    int64_t rested_ns; // so long, altogether: what is waited for comes that much later
+    int64_t resting_since_ns;
     SamplerView view;
     WatchSubject subject; // that is flown
     WatchFindings findings;

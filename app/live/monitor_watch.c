@@ -23,13 +23,21 @@ static bool is_wanted(const Watch *watch) {
     return watch->open && !watch->leaving;
 }
 
+// Under the lock. Until something changes, or until `until_ns` at most; false: it has come.
+static bool wait_until(Watch *watch, int64_t until_ns) {
+    const struct timespec until = {until_ns / 1000000000, until_ns % 1000000000};
+    if (watch->resting)
+        return pthread_cond_wait(&watch->changed, &watch->lock) == 0;
+    return clock_now_ns() < until_ns && pthread_cond_timedwait(&watch->changed, &watch->lock, &until) == 0;
+}
+
 // Rests, unless the work is not wanted any more: then false, and at once.
 static bool rest_for(Watch *watch, int64_t rest_ns) {
-    int64_t until_ns = clock_now_ns() + rest_ns;
-    const struct timespec until = {until_ns / 1000000000, until_ns % 1000000000};
     pthread_mutex_lock(&watch->lock);
+    int64_t now_ns = watch->resting ? watch->resting_since_ns : clock_now_ns();
+    int64_t until_ns = now_ns - watch->rested_ns + rest_ns;
     watch->findings.spent_ns = pace_thread_ns();
-    while (is_wanted(watch) && pthread_cond_timedwait(&watch->changed, &watch->lock, &until) == 0) {
+    while (is_wanted(watch) && wait_until(watch, until_ns + watch->rested_ns)) {
     }
     bool wanted = is_wanted(watch);
     pthread_mutex_unlock(&watch->lock);
@@ -108,10 +116,7 @@ static bool hold_drawn(Watch *watch) {
     for (int i = 0; i < HOLD_WAITS; i++) {
         if (pipeline_hold(watch->options.pipeline, clock_now_ns() + HOLD_WAIT_NS, &watch->held))
             return true;
-        pthread_mutex_lock(&watch->lock);
-        bool wanted = is_wanted(watch);
-        pthread_mutex_unlock(&watch->lock);
-        if (!wanted)
+        if (!rest_for(watch, 0))
             return false;
     }
     return false;

@@ -76,7 +76,8 @@ static void draw_accuracy(Hud *hud, const RenderPacket *packet, int width, int h
                 height == hud->accuracy_height && packet->hud.method == hud->accuracy_method;
     if (!kept) {
         hud_paint_accuracy_alone(hud->canvas, hud->text, packet, width, height);
-        canvas_gl_keep(hud->gl, hud->canvas, hud->text, place, width, height);
+        const CanvasKept part = {place, hud_accuracy_edge_px(packet, width, height)};
+        canvas_gl_keep(hud->gl, hud->canvas, hud->text, &part, width, height);
         hud->accuracy_revision = revision;
         hud->accuracy_place = place;
         hud->accuracy_height = height;

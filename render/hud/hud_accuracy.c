@@ -459,7 +459,7 @@ void hud_paint_accuracy(const HudPainter *painter, const RenderPacket *packet) {
     if (box.x1 <= box.x0)
         return;
     Board board = board_of(painter, packet);
-    canvas_box(painter->canvas, box, 5.0f * painter->layout.unit, HUD_PLATE_DENSE);
+    canvas_box(painter->canvas, box, HUD_ACCURACY_CORNER * painter->layout.unit, HUD_PLATE_OPAQUE);
     canvas_set_halos(painter->canvas, false); // half the price of painting
     add_title(&board, packet);
     if (box.y1 - board.y >= 3.0f * row_px(&board))

@@ -140,6 +140,10 @@ CanvasRect hud_accuracy_place(const RenderPacket *packet, int width, int height)
     return shows_accuracy(packet) ? painter_of(NULL, NULL, packet, width, height).layout.accuracy : (CanvasRect){0};
 }
 
+int hud_accuracy_edge_px(const RenderPacket *packet, int width, int height) {
+    return (int)ceilf(HUD_ACCURACY_CORNER * painter_of(NULL, NULL, packet, width, height).layout.unit) + 1;
+}
+
 void hud_paint(Canvas *canvas, Text *text, const RenderPacket *packet, const RenderStats *previous, int width,
                int height) {
     HudPainter painter = painter_of(canvas, text, packet, width, height);

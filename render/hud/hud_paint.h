@@ -22,6 +22,9 @@ void hud_paint_most(Canvas *canvas, Text *text, const RenderPacket *packet, cons
                     int height);
 void hud_paint_accuracy_alone(Canvas *canvas, Text *text, const RenderPacket *packet, int width, int height);
 CanvasRect hud_accuracy_place(const RenderPacket *packet, int width, int height);
+// Rows at its top and bottom where it has round corners; it is opaque between.
+#define HUD_ACCURACY_CORNER 5.0f // units
+int hud_accuracy_edge_px(const RenderPacket *packet, int width, int height);
 
 // The parts.
 void hud_paint_flight(const HudPainter *painter, const RenderPacket *packet);   // with the following two
@@ -48,6 +51,7 @@ void hud_paint_help(const HudPainter *painter, const RenderHud *hud);         //
 #define HUD_WARN ((CanvasColour){1.0f, 0.76f, 0.30f, 1.0f})
 #define HUD_PLATE ((CanvasColour){0.03f, 0.06f, 0.08f, 0.52f})
 #define HUD_PLATE_DENSE ((CanvasColour){0.03f, 0.06f, 0.08f, 0.78f})
+#define HUD_PLATE_OPAQUE ((CanvasColour){0.08f, 0.11f, 0.15f, 1.0f}) // as the one before over land and sky
 
 CanvasColour hud_faded(CanvasColour colour, double opacity); // opacity 0..1 times what it was
 // 1 below `from`, 0 above `to`, smooth between.
