@@ -20,6 +20,9 @@
 #define ACCURACY_FLIGHTS_MAX 8
 #define ACCURACY_BURST 3 // frames that follow one another at 60 Hz, before the flight goes on elsewhere
 #define ACCURACY_FRAME_HZ 60.0
+// Frames of the stretch in the middle of each flight that popping is looked for in besides.
+#define ACCURACY_STRETCH 60
+#define ACCURACY_STRETCH_QUICK 20
 
 // How vertex errors are defined: what the hierarchy is built with.
 typedef struct AccuracyKind {
@@ -51,7 +54,8 @@ typedef struct AccuracyPlan {
     Track read[ACCURACY_FLIGHTS_MAX];          // of files, but for recordings, which are flown over each DEM
     char flight_text[1024];
     int flight_count;
-    int frames; // of each flight, a multiple of ACCURACY_BURST
+    int frames;  // of each flight, a multiple of ACCURACY_BURST
+    int stretch; // frames of the one in each flight, 2 at least
     int rounds;
     int width, height;
     double fov_rad;
@@ -119,6 +123,8 @@ typedef struct AccuracySummary {
 typedef struct AccuracyRun {
     int dem, variant;
     double tau_px;
+    double stretch_px;     // greatest popping in the stretches
+    int stretch_pairs;     // of frames in them
     AccuracyFrame *frames; // [pose_count of the DEM]
     double *frame_ms;      // of all frames in all rounds but of jumps, ascending
     int frame_ms_count;

@@ -4,19 +4,43 @@
 #include "base/clock.h"
 #include "base/log.h"
 
+#include <math.h>
 #include <stdio.h>
 
 #define MINUTES_FROM_S 120.0
 
-static Result measure_one(const AccuracyPlan *plan, const AccuracyDem *dem, const AccuracyRun *run) {
+#define FRAMES_TRIED 4 // of a stretch
+
+// Its first frame, which is whole, and one of the others.
+static Result time_stretch(AccuracyPass *pass, const AccuracyRun *run, double *first_s, double *next_s) {
+    AccuracyRun tried = *run;
+    int64_t begin = clock_now_ns();
+    Result result = accuracy_stretch(pass, 0, 1, &tried);
+    int64_t middle = clock_now_ns();
+    if (result == RESULT_OK)
+        result = accuracy_stretch(pass, 0, FRAMES_TRIED, &tried);
+    *first_s = (double)(middle - begin) * 1e-9;
+    *next_s = fmax((double)(clock_now_ns() - middle) * 1e-9 - *first_s, 0.0) / (FRAMES_TRIED - 1);
+    return result;
+}
+
+// Adds how long all of the variant's takes.
+static Result measure_one(const AccuracyPlan *plan, const AccuracyDem *dem, const AccuracyRun *run, double *seconds) {
     AccuracyPass pass = {.lod = NULL};
     Measure measure;
+    double first_s = 0.0, next_s = 0.0;
+    int64_t begin = clock_now_ns();
     Result result = accuracy_pass_begin(plan, dem, run, 1, &pass);
     if (result == RESULT_OK)
         result = accuracy_pass_refine(&pass, 0);
     if (result == RESULT_OK)
         result = measure_cut(pass.world->terrain, &pass.cut, pass.world->jobs, &measure);
+    double frame_s = (double)(clock_now_ns() - begin) * 1e-9;
+    if (result == RESULT_OK)
+        result = time_stretch(&pass, run, &first_s, &next_s);
     accuracy_pass_end(&pass);
+    *seconds += plan->tau_count * (frame_s * dem->pose_count + first_s * plan->flight_count +
+                                   next_s * (plan->stretch - 1) * plan->flight_count);
     return result;
 }
 
@@ -30,14 +54,13 @@ static void name_duration(double seconds, char out[32]) {
 Result accuracy_estimate(const Accuracy *accuracy, int dem, double round_s) {
     const AccuracyPlan *plan = &accuracy->plan;
     Result result = RESULT_OK;
-    int64_t begin = clock_now_ns();
+    double measure_s = 0.0;
     for (int i = 0; i < plan->variant_count && result == RESULT_OK; i++) { // of a tolerance in the middle
         int run = (dem * plan->variant_count + i) * plan->tau_count + plan->tau_count / 2;
-        result = measure_one(plan, &accuracy->dems[dem], &accuracy->runs[run]);
+        result = measure_one(plan, &accuracy->dems[dem], &accuracy->runs[run], &measure_s);
     }
     if (result != RESULT_OK)
         return result;
-    double measure_s = (double)(clock_now_ns() - begin) * 1e-9 * plan->tau_count * accuracy->dems[dem].pose_count;
     char one[32], all[32];
     name_duration(plan->rounds * round_s + measure_s, one);
     name_duration(plan->dem_count * (plan->rounds * round_s + measure_s), all);

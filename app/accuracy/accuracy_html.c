@@ -532,8 +532,10 @@ static void put_provenance(const Page *page) {
     put_fact(page, "picture", "%d x %d pixels, %g degrees from bottom to top, %g pixels a radian %s", plan->width,
              plan->height, options_number(plan->options, OPTION_FOV), accuracy_px_per_rad(plan),
              scene_bound_corner(plan->options) ? "at its corners" : "at its centre");
-    put_fact(page, "frames", "%d a flight, in bursts of %d at %g Hz; %d interleaved rounds%s", plan->frames,
-             ACCURACY_BURST, ACCURACY_FRAME_HZ, plan->rounds, plan->quick ? "; quick" : "");
+    put_fact(page, "frames",
+             "%d a flight, in bursts of %d at %g Hz; %d interleaved rounds; popping also in %d on end a flight%s",
+             plan->frames, ACCURACY_BURST, ACCURACY_FRAME_HZ, plan->rounds, plan->stretch,
+             plan->quick ? "; quick" : "");
     put_sources(page);
     fputs("</tbody></table>\n", page->to);
 }

@@ -8,6 +8,7 @@
 // Loads the DEM with every kind of errors, times building them, plans its flights.
 MUST_USE Result accuracy_load(const AccuracyPlan *plan, int dem, AccuracyDem *out);
 void accuracy_unload(AccuracyDem *dem);
+LodView accuracy_view_at(const AccuracyPlan *plan, const AccuracyDem *dem, const Viewpoint *at, double tau_px);
 LodView accuracy_view(const AccuracyPlan *plan, const AccuracyDem *dem, int pose, double tau_px);
 
 // One flight of one run: a Lod that begins without anything, so that every pass gives the same cuts.
@@ -26,6 +27,7 @@ typedef struct AccuracyPass {
 MUST_USE Result accuracy_pass_begin(const AccuracyPlan *plan, const AccuracyDem *dem, const AccuracyRun *run,
                                     uint32_t serial, AccuracyPass *out);
 MUST_USE Result accuracy_pass_refine(AccuracyPass *pass, int pose);
+MUST_USE Result accuracy_pass_refine_at(AccuracyPass *pass, const Viewpoint *at);
 void accuracy_pass_end(AccuracyPass *pass);
 // Of all triangles, and where their vertices are.
 uint64_t accuracy_cut_hash(const LodCut *cut);
@@ -36,7 +38,9 @@ uint64_t accuracy_cut_outline(const LodCut *cut);
 MUST_USE Result accuracy_time(Accuracy *accuracy, int dem, Context *context);
 // Logs how long all of it takes about, told what a round of the DEM took. What measuring fails with.
 MUST_USE Result accuracy_estimate(const Accuracy *accuracy, int dem, double round_s);
-// Every cut of one DEM's runs at every sample.
+// Popping between so many successive frames in the middle of a flight, added to the run's. What measuring fails with.
+MUST_USE Result accuracy_stretch(AccuracyPass *pass, int flight, int frames, AccuracyRun *run);
+// Every cut of one DEM's runs at every sample, and the stretches.
 MUST_USE Result accuracy_measure(Accuracy *accuracy, int dem);
 // Fill the summaries: times, [run of the DEM][round][pose]; then errors, after measuring. MEMORY.
 MUST_USE Result accuracy_summarize_times(Accuracy *accuracy, int dem, const AccuracyTimes *times);

@@ -156,6 +156,7 @@ static void add_setting(Json *json, const Accuracy *accuracy) {
     json_add_number(json, "memory_gb", accuracy->memory_gb);
     json_add_integer(json, "rounds", plan->rounds);
     json_add_integer(json, "frames_a_burst", ACCURACY_BURST);
+    json_add_integer(json, "frames_a_stretch", plan->stretch);
 }
 
 static void add_equal_errors(Json *json, const Accuracy *accuracy) {

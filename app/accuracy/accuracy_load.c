@@ -163,11 +163,14 @@ double accuracy_px_per_rad(const AccuracyPlan *plan) {
     return camera_px_per_rad(plan->fov_rad, plan->width, plan->height, scene_bound_corner(plan->options));
 }
 
-LodView accuracy_view(const AccuracyPlan *plan, const AccuracyDem *dem, int pose, double tau_px) {
-    const Viewpoint *at = &dem->poses[pose].at;
+LodView accuracy_view_at(const AccuracyPlan *plan, const AccuracyDem *dem, const Viewpoint *at, double tau_px) {
     return (LodView){.eye_ecef = world_viewpoint_ecef(&dem->worlds[0], at),
                      .forward_ecef = viewpoint_forward(at),
                      .px_per_rad =
                          camera_px_per_rad(plan->fov_rad, plan->width, plan->height, scene_bound_corner(plan->options)),
                      .tau_px = tau_px};
+}
+
+LodView accuracy_view(const AccuracyPlan *plan, const AccuracyDem *dem, int pose, double tau_px) {
+    return accuracy_view_at(plan, dem, &dem->poses[pose].at, tau_px);
 }

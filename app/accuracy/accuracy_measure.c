@@ -42,6 +42,8 @@ static Result measure_run(Measuring *m, AccuracyRun *run) {
         if (result == RESULT_OK)
             result = measure_frame(m, &pass, run, pose);
     }
+    for (int flight = 0; flight < m->accuracy->plan.flight_count && result == RESULT_OK; flight++)
+        result = accuracy_stretch(&pass, flight, m->accuracy->plan.stretch, run);
     accuracy_pass_end(&pass);
     return result;
 }

@@ -37,8 +37,8 @@ Result accuracy_pass_begin(const AccuracyPlan *plan, const AccuracyDem *dem, con
     return result;
 }
 
-Result accuracy_pass_refine(AccuracyPass *pass, int pose) {
-    LodView view = accuracy_view(pass->plan, pass->dem, pose, pass->tau_px);
+Result accuracy_pass_refine_at(AccuracyPass *pass, const Viewpoint *at) {
+    LodView view = accuracy_view_at(pass->plan, pass->dem, at, pass->tau_px);
     lod_release(pass->lod, pass->cut.frame);
     arena_reset(pass->frame);
     bool first = pass->cut.frame == 0;
@@ -47,6 +47,10 @@ Result accuracy_pass_refine(AccuracyPass *pass, int pose) {
     if (first)
         pass->prepare_ns += clock_now_ns() - begin - pass->cut.stats.select_ns - pass->cut.stats.refine_ns;
     return result == RESULT_BUDGET ? RESULT_OK : result;
+}
+
+Result accuracy_pass_refine(AccuracyPass *pass, int pose) {
+    return accuracy_pass_refine_at(pass, &pass->dem->poses[pose].at);
 }
 
 void accuracy_pass_end(AccuracyPass *pass) {

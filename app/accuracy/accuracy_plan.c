@@ -299,6 +299,7 @@ static void read_counts(AccuracyPlan *plan) {
     if (frames == 0)
         frames = plan->quick ? QUICK_FRAMES : FULL_FRAMES;
     plan->frames = (frames + ACCURACY_BURST - 1) / ACCURACY_BURST * ACCURACY_BURST;
+    plan->stretch = plan->quick ? ACCURACY_STRETCH_QUICK : ACCURACY_STRETCH;
     plan->rounds = (int)options_integer(options, OPTION_ROUNDS);
     plan->width = plan->quick && !sized ? QUICK_WIDTH : (int)size[0];
     plan->height = plan->quick && !sized ? QUICK_HEIGHT : (int)size[1];

@@ -56,6 +56,8 @@ static void add_errors(AccuracySummary *s, const AccuracyFrame *frame, int frame
 static void summarize_run(const AccuracyDem *dem, AccuracyRun *run) {
     AccuracySummary *s = &run->summary;
     s->promised = s->held = true;
+    s->popping_px = run->stretch_px;
+    s->popping_pairs = run->stretch_pairs;
     for (int pose = 0; pose < dem->pose_count; pose++) {
         add_errors(s, &run->frames[pose], dem->pose_count);
         if (accuracy_badness(&run->frames[pose]) > accuracy_badness(&run->frames[s->worst_frame]))

@@ -120,7 +120,7 @@ void accuracy_write_text(const Accuracy *accuracy, FILE *to) {
         for (int i = dem * of_dem; i < (dem + 1) * of_dem; i++)
             write_run(accuracy, &accuracy->runs[i], to);
         fprintf(to, "\npopping: the largest found in %d pairs of frames a run; of a longer flight it may be more\n\n",
-                accuracy_jump_free(accuracy, dem));
+                accuracy_run_at(accuracy, dem, 0, 0)->summary.popping_pairs);
     }
     accuracy_verdict(accuracy, text);
     fprintf(to, "%s\n", text);

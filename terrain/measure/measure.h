@@ -48,6 +48,18 @@ typedef struct MeasurePopping {
 MUST_USE Result measure_popping(const Terrain *terrain, const LodView *view, const float *before_m,
                                 const float *after_m, Jobs *jobs, MeasurePopping *out);
 
+// Popping over many cuts that follow one another. Only what changed is looked at: an item counts as unchanged when its
+// triangles are where an item's of the cut before were, whatever their method says. It gives what whole maps give.
+typedef struct MeasureStretch MeasureStretch;
+// Takes 13 bytes a sample, and a copy of a cut. Borrows the terrain. MEMORY.
+MUST_USE Result measure_stretch_create(const Terrain *terrain, MeasureStretch **out);
+void measure_stretch_destroy(MeasureStretch **stretch);
+// From the cut added before to this one, seen from this one's view; nothing moved to the first. The same for any number
+// of workers. MEMORY.
+MUST_USE Result measure_stretch_add(MeasureStretch *stretch, const LodCut *cut, Jobs *jobs, MeasurePopping *out);
+// Of the cut added last, as MeasureMaps.rise_m; until the next one.
+const float *measure_stretch_rise_m(const MeasureStretch *stretch);
+
 // What is known before all is measured.
 typedef struct MeasureSoFar {
     double share;  // 0..1, of the terrain's cells

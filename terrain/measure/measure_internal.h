@@ -35,6 +35,14 @@ typedef struct MeasureWorker {
 // edges follow the grid or its diagonals covers half a cell, and exactly one of the two.
 enum { MEASURE_NORTH = 1, MEASURE_NORTH_TWICE = 2, MEASURE_SOUTH = 4, MEASURE_SOUTH_TWICE = 8 };
 
+// Samples that are looked at again, and the squares of the DEM with any of them.
+#define MEASURE_BLOCK_SHIFT 5
+typedef struct MeasureTouched {
+    _Atomic uint8_t *samples; // [height][width], 1: touched
+    _Atomic uint8_t *blocks;  // [block_rows][block_cols]
+    int block_cols, block_rows;
+} MeasureTouched;
+
 typedef struct MeasureRun {
     const Dem *dem;
     const Grid *grid;
@@ -45,12 +53,13 @@ typedef struct MeasureRun {
     _Atomic int64_t done_area2;
     _Atomic uint32_t done_max;
     int64_t samples, cell_count;
-    _Atomic uint32_t *vertices; // [height][width]
-    _Atomic uint32_t *errors;   // [height][width], bits of a float >= 0, the larger of the triangles that share it
-    _Atomic uint32_t *rises;    // [height][width], measure_key of the highest rise; NULL: not wanted
-    _Atomic uint8_t *cells;     // [height - 1][width - 1]
-    int64_t *first_ordinal;     // [item_count]
-    int64_t table_size;         // a power of two
+    _Atomic uint32_t *vertices;    // [height][width]
+    _Atomic uint32_t *errors;      // [height][width], bits of a float >= 0, the larger of the triangles that share it
+    _Atomic uint32_t *rises;       // [height][width], measure_key of the highest rise; NULL: not wanted
+    const MeasureTouched *touched; // of its samples `rises` alone is wanted; NULL: all is, of all
+    _Atomic uint8_t *cells;        // [height - 1][width - 1]
+    int64_t *first_ordinal;        // [item_count]
+    int64_t table_size;            // a power of two
     MeasureWorker *workers;
     int worker_count;
 } MeasureRun;
@@ -88,6 +97,14 @@ GridPoint measure_drawn(const LodPage *page, uint16_t vertex);
 void measure_mark_vertices(MeasureRun *run, MeasureWorker *worker, int64_t begin, int64_t end);
 void measure_find_junctions(MeasureRun *run, int64_t begin, int64_t end);
 void measure_rasterise(MeasureRun *run, MeasureWorker *worker, int64_t begin, int64_t end);
+// Every sample that the item's triangles cover.
+void measure_touch(const MeasureRun *run, const LodItem *item, const MeasureTouched *touched);
+// The item's rises at the samples of run->touched.
+void measure_rasterise_touched(MeasureRun *run, const LodItem *item);
+
+// As measure_popping, over the touched samples alone; NULL: over all.
+MUST_USE Result measure_popping_touched(const Terrain *terrain, const LodView *view, const float *const rise_m[2],
+                                        const MeasureTouched *touched, Jobs *jobs, MeasurePopping *out);
 
 // Joins what the workers found: edges, vertices, cells into holes, overlaps and T-junctions of `out`.
 MUST_USE Result measure_join_edges(const MeasureRun *run, Measure *out);

@@ -1,6 +1,5 @@
-#include "terrain/measure/measure.h"
-
 #include "base/log.h"
+#include "terrain/measure/measure_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -10,11 +9,14 @@ typedef struct Popping {
     const Grid *grid;
     const LodView *view;
     const float *before_m, *after_m;
-    double *row_px; // [height], the largest of each row; -1: none
-    int *row_col;   // [height], where
+    const MeasureTouched *touched; // NULL: all are
+    double *row_px;                // [height], the largest of each row; -1: none
+    int *row_col;                  // [height], where
 } Popping;
 
 static double moved_px(const Popping *p, int col, int row, int64_t sample) {
+    if (p->touched && !atomic_load_explicit(&p->touched->samples[sample], memory_order_relaxed))
+        return -1.0;
     double moved_m = fabs((double)p->after_m[sample] - (double)p->before_m[sample]);
     if (!(moved_m > 0.0)) // nor where one does not cover the sample
         return moved_m == 0.0 ? 0.0 : -1.0;
@@ -38,10 +40,15 @@ static void rows_task(void *user, int64_t begin, int64_t end, int worker) {
     }
 }
 
-Result measure_popping(const Terrain *terrain, const LodView *view, const float *before_m, const float *after_m,
-                       Jobs *jobs, MeasurePopping *out) {
+Result measure_popping_touched(const Terrain *terrain, const LodView *view, const float *const rise_m[2],
+                               const MeasureTouched *touched, Jobs *jobs, MeasurePopping *out) {
     const Dem *dem = terrain_dem(terrain);
-    Popping p = {.dem = dem, .grid = terrain_grid(terrain), .view = view, .before_m = before_m, .after_m = after_m};
+    Popping p = {.dem = dem,
+                 .grid = terrain_grid(terrain),
+                 .view = view,
+                 .before_m = rise_m[0],
+                 .after_m = rise_m[1],
+                 .touched = touched};
     p.row_px = malloc(sizeof *p.row_px * (size_t)dem->height);
     p.row_col = malloc(sizeof *p.row_col * (size_t)dem->height);
     Result result = p.row_px && p.row_col ? RESULT_OK : RESULT_MEMORY;
@@ -57,4 +64,9 @@ Result measure_popping(const Terrain *terrain, const LodView *view, const float 
     free(p.row_px);
     free(p.row_col);
     return result;
+}
+
+Result measure_popping(const Terrain *terrain, const LodView *view, const float *before_m, const float *after_m,
+                       Jobs *jobs, MeasurePopping *out) {
+    return measure_popping_touched(terrain, view, (const float *const[2]){before_m, after_m}, NULL, jobs, out);
 }

@@ -102,8 +102,14 @@ static double look_at_sample(MeasureRun *run, int64_t col, int64_t row, int64_t 
 static void measure_sample(MeasureRun *run, MeasureWorker *worker, int64_t col, int64_t row, Vec3d drawn) {
     int64_t sample = row * run->dem->width + col;
     double px = look_at_sample(run, col, row, sample, drawn);
+    if (run->touched)
+        return;
     keep_largest(&run->errors[sample], error_bits(px));
     keep_worst(worker, px, sample);
+}
+
+static bool is_wanted(const MeasureRun *run, int64_t sample) {
+    return !run->touched || atomic_load_explicit(&run->touched->samples[sample], memory_order_relaxed);
 }
 
 static void rasterise_samples(MeasureRun *run, MeasureWorker *worker, const Raster *r, const Vec3d corners[3],
@@ -113,7 +119,7 @@ static void rasterise_samples(MeasureRun *run, MeasureWorker *worker, const Rast
         for (int i = 0; i < 3; i++)
             w[i] = r->edge[i].a * r->col_min + r->edge[i].b * row + r->edge[i].c;
         for (int64_t col = r->col_min; col <= r->col_max; col++) {
-            if ((w[0] | w[1] | w[2]) >= 0) { // none is negative
+            if ((w[0] | w[1] | w[2]) >= 0 && is_wanted(run, row * run->dem->width + col)) { // none is negative
                 Vec3d sum = vec3d_scale(corners[0], (double)w[0] * per_area);
                 sum = vec3d_mad(sum, corners[1], (double)w[1] * per_area);
                 sum = vec3d_mad(sum, corners[2], (double)w[2] * per_area);
@@ -159,12 +165,17 @@ static void rasterise_cells(MeasureRun *run, const Raster *r) {
 
 // ---- items ----
 
-static void rasterise_triangle(MeasureRun *run, MeasureWorker *worker, const LodPage *page, const MeasureTriangle *t) {
-    Raster raster = raster_of(t);
+static void rasterise_surface(MeasureRun *run, MeasureWorker *worker, const LodPage *page, const MeasureTriangle *t,
+                              const Raster *raster) {
     Vec3d corners[3];
     for (int i = 0; i < 3; i++)
         corners[i] = vec3d_sub(grid_point_ecef(measure_drawn(page, t->vertex[i])), run->cut->view.eye_ecef);
-    rasterise_samples(run, worker, &raster, corners, 1.0 / (double)t->area2);
+    rasterise_samples(run, worker, raster, corners, 1.0 / (double)t->area2);
+}
+
+static void rasterise_triangle(MeasureRun *run, MeasureWorker *worker, const LodPage *page, const MeasureTriangle *t) {
+    Raster raster = raster_of(t);
+    rasterise_surface(run, worker, page, t, &raster);
     rasterise_cells(run, &raster);
     worker->area2 += t->area2;
 }
@@ -182,5 +193,52 @@ void measure_rasterise(MeasureRun *run, MeasureWorker *worker, int64_t begin, in
         }
         atomic_fetch_add_explicit(&run->done_area2, worker->area2 - before, memory_order_relaxed);
         keep_largest(&run->done_max, error_bits(fmax(worker->max_px, 0.0)));
+    }
+}
+
+// ---- samples looked at again ----
+
+static void touch(const MeasureTouched *touched, int64_t width, int64_t col, int64_t row) {
+    int64_t block = (row >> MEASURE_BLOCK_SHIFT) * touched->block_cols + (col >> MEASURE_BLOCK_SHIFT);
+    atomic_store_explicit(&touched->samples[row * width + col], 1, memory_order_relaxed);
+    atomic_store_explicit(&touched->blocks[block], 1, memory_order_relaxed);
+}
+
+static void touch_triangle(const MeasureRun *run, const Raster *r, const MeasureTouched *touched) {
+    for (int64_t row = r->row_min; row <= r->row_max; row++)
+        for (int64_t col = r->col_min; col <= r->col_max; col++) {
+            int64_t w = 0;
+            for (int i = 0; i < 3; i++)
+                w |= r->edge[i].a * col + r->edge[i].b * row + r->edge[i].c;
+            if (w >= 0) // none is negative
+                touch(touched, run->dem->width, col, row);
+        }
+}
+
+void measure_touch(const MeasureRun *run, const LodItem *item, const MeasureTouched *touched) {
+    MeasureTriangle t;
+    for (int64_t k = 0; k < item->index_count / 3; k++)
+        if (measure_triangle(run, item, k, &t)) {
+            Raster raster = raster_of(&t);
+            touch_triangle(run, &raster, touched);
+        }
+}
+
+static bool is_near_touched(const MeasureTouched *touched, const Raster *r) {
+    for (int64_t row = r->row_min >> MEASURE_BLOCK_SHIFT; row <= r->row_max >> MEASURE_BLOCK_SHIFT; row++)
+        for (int64_t col = r->col_min >> MEASURE_BLOCK_SHIFT; col <= r->col_max >> MEASURE_BLOCK_SHIFT; col++)
+            if (atomic_load_explicit(&touched->blocks[row * touched->block_cols + col], memory_order_relaxed))
+                return true;
+    return false;
+}
+
+void measure_rasterise_touched(MeasureRun *run, const LodItem *item) {
+    MeasureTriangle t;
+    for (int64_t k = 0; k < item->index_count / 3; k++) {
+        if (!measure_triangle(run, item, k, &t))
+            continue;
+        Raster raster = raster_of(&t);
+        if (is_near_touched(run->touched, &raster))
+            rasterise_surface(run, NULL, item->page, &t, &raster);
     }
 }
