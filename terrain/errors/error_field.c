@@ -2,6 +2,7 @@
 #include "terrain/errors/error_field.h"
 
 #include "base/log.h"
+#include "base/pages.h"
 #include "terrain/errors/error_rows.h"
 #include "terrain/geodesy.h"
 
@@ -44,8 +45,8 @@ static void layout_planes(ErrorField *field, int width, int height) {
     field->bytes = 2 * entries * sizeof(uint16_t);
 }
 
-// Mapped afresh, so that only what is written is paid for; in huge pages where the system has them: a field is written
-// once, and the faults of small pages would take a third of the time.
+// In huge pages where the system has them: a field is written once, and the faults of small pages would take a third of
+// the time.
 static void *allocate_zeros(size_t *bytes) {
     *bytes = (*bytes + HUGE_PAGE) & ~(size_t)(HUGE_PAGE - 1);
     void *memory = mmap(NULL, *bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
@@ -55,6 +56,7 @@ static void *allocate_zeros(size_t *bytes) {
     if (*bytes >= 16 * (size_t)HUGE_PAGE)
         (void)madvise(memory, *bytes, MADV_HUGEPAGE); // only a wish
 #endif
+    pages_own(memory, *bytes);
     return memory;
 }
 

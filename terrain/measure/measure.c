@@ -1,6 +1,7 @@
 #include "terrain/measure/measure.h"
 
 #include "base/log.h"
+#include "base/pages.h"
 #include "terrain/measure/measure_internal.h"
 
 #include <math.h>
@@ -75,6 +76,8 @@ static Result run_begin(MeasureRun *run, const MeasureMaps *maps, int workers) {
         run->rises = calloc((size_t)run->samples, sizeof *run->rises); // MEASURE_NO_KEY
     if (!run->vertices || !run->errors || !run->cells || !run->first_ordinal || (maps->rise_m && !run->rises))
         return RESULT_MEMORY;
+    if (run->rises)
+        pages_own((void *)run->rises, (size_t)run->samples * sizeof *run->rises);
     cover_nothing(run);
     Result result = number_vertices(run);
     return result == RESULT_OK ? create_workers(run, workers) : result;

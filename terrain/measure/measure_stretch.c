@@ -2,6 +2,7 @@
 // cut that cover them, so that samples on the border of an unchanged item keep the highest of all. Rises are taken from
 // one place of the terrain instead of the eye, so that rounding moves nothing.
 #include "base/log.h"
+#include "base/pages.h"
 #include "terrain/lod/cut_copy.h"
 #include "terrain/measure/measure_internal.h"
 
@@ -159,6 +160,7 @@ static Result reserve(MeasureStretch *s) {
         s->rise_m[i] = malloc((size_t)s->samples * sizeof *s->rise_m[i]);
     if (!s->touched.samples || !s->touched.blocks || !s->rises || !s->rise_m[0] || !s->rise_m[1])
         return RESULT_MEMORY;
+    pages_own((void *)s->rises, (size_t)s->samples * sizeof *s->rises);
     for (int64_t i = 0; i < s->samples; i++)
         s->rise_m[0][i] = s->rise_m[1][i] = NAN;
     return RESULT_OK;
