@@ -5,6 +5,7 @@
 #include "app/accuracy/accuracy_html.h"
 #include "app/accuracy/accuracy_plots.h"
 #include "app/accuracy/accuracy_report.h"
+#include "app/signals.h"
 #include "base/paths.h"
 #include "heard.h"
 #include "terrain/geodesy.h"
@@ -398,6 +399,45 @@ static void test_hitches_are_told_with_their_cause(void **state) {
         *frames[i] = kept[i];
 }
 
+// ---- signals ----
+
+// Sends one once the first model is done with.
+static void interrupt_second(void *user, const Terrain *terrain, LodCut *cut) {
+    const Accuracy *accuracy = user;
+    (void)terrain, (void)cut;
+    if (accuracy->scaling.views > 0 && !accuracy->interrupted)
+        raise(SIGINT);
+}
+
+static void test_a_signal_leaves_the_models_that_were_finished(void **state) {
+    (void)state;
+    for (int finished = 0; finished < 2; finished++) {
+        Bench *b = bench_begin();
+        sigset_t before;
+        b->plan.dem_count = 2; // the default scene twice
+        b->plan.variant_count = b->plan.tau_count = 1;
+        b->plan.tamper = interrupt_second;
+        b->plan.tamper_user = &b->accuracy;
+        signals_hold(&before);
+        if (!finished)
+            raise(SIGINT);
+        bench_run(b);
+        signals_restore(&before);
+        assert_true(b->accuracy.interrupted);
+        assert_int_equal(b->accuracy.plan.dem_count, finished);
+        assert_int_equal(b->accuracy.run_count, finished);
+        assert_int_equal(accuracy_holds(&b->accuracy), true);
+        if (finished) {
+            char *text = told_by(write_text, &b->accuracy), *json = told_by(write_json, &b->accuracy);
+            expect_told("text", text, "of 2 elevation models, 1 could not be finished and is not in it", true);
+            expect_told("JSON", json, "\"interrupted\":\ttrue", true);
+            free(text);
+            free(json);
+        }
+        bench_end(b);
+    }
+}
+
 static int set_up(void **state) {
     Bench *b = bench_begin();
     bench_run(b);
@@ -422,6 +462,7 @@ int main(void) {
         cmocka_unit_test(test_gains_lie_within_their_spread),
         cmocka_unit_test(test_costs_between_tolerances_lie_between_them),
         cmocka_unit_test(test_hitches_are_told_with_their_cause),
+        cmocka_unit_test(test_a_signal_leaves_the_models_that_were_finished),
     };
     return cmocka_run_group_tests_name("test_accuracy", tests, set_up, tear_down);
 }

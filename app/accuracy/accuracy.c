@@ -1,6 +1,7 @@
 #define _GNU_SOURCE // getloadavg, open_memstream
 #include "app/accuracy/accuracy_internal.h"
 #include "app/scene_load.h"
+#include "app/signals.h"
 #include "base/clock.h"
 #include "base/log.h"
 #include "terrain/jobs.h"
@@ -101,6 +102,20 @@ static void open_context(Accuracy *accuracy, Context **context) {
     accuracy->software = context_is_software(*context);
 }
 
+bool accuracy_goes_on(Accuracy *accuracy) {
+    accuracy->interrupted = accuracy->interrupted || signals_leave_wanted();
+    return !accuracy->interrupted;
+}
+
+static Result measure_dem(Accuracy *accuracy, int dem, Context *context) {
+    Result result = accuracy_measure(accuracy, dem);
+    if (result == RESULT_OK && accuracy_goes_on(accuracy))
+        result = accuracy_keep_worst(accuracy, dem, context);
+    if (result == RESULT_OK && dem == 0 && accuracy_goes_on(accuracy))
+        result = accuracy_scale(&accuracy->plan, &accuracy->dems[0], &accuracy->scaling);
+    return result;
+}
+
 static Result run_dem(Accuracy *accuracy, int dem, Context *context) {
     Result result = accuracy_load(&accuracy->plan, dem, &accuracy->dems[dem]);
     if (result == RESULT_OK)
@@ -109,20 +124,23 @@ static Result run_dem(Accuracy *accuracy, int dem, Context *context) {
         result = create_frames(accuracy, dem);
     if (result == RESULT_OK)
         result = accuracy_time(accuracy, dem, context);
-    if (result == RESULT_OK)
-        result = accuracy_measure(accuracy, dem);
-    if (result == RESULT_OK)
-        result = accuracy_keep_worst(accuracy, dem, context);
-    if (result == RESULT_OK && dem == 0)
-        result = accuracy_scale(&accuracy->plan, &accuracy->dems[0], &accuracy->scaling);
+    if (result == RESULT_OK && accuracy_goes_on(accuracy))
+        result = measure_dem(accuracy, dem, context);
     accuracy_unload(&accuracy->dems[dem]);
     return result;
+}
+
+// Tells of the finished ones alone.
+static void leave_out(Accuracy *accuracy, int dem) {
+    accuracy->plan.dem_count = dem;
+    accuracy->run_count = dem * accuracy->plan.variant_count * accuracy->plan.tau_count;
 }
 
 Result accuracy_run(const AccuracyPlan *plan, Accuracy *out) {
     Context *context = NULL;
     int64_t begin = clock_now_ns();
     *out = (Accuracy){.plan = *plan, .worst = {.run = -1, .frame = -1}, .unix_s = (int64_t)time(NULL)};
+    out->dems_planned = plan->dem_count;
     for (int i = 0; i < plan->flight_count; i++) // they lie in the plan
         out->plan.flights[i] = out->plan.flight_text + (plan->flights[i] - plan->flight_text);
     if (getloadavg(&out->load, 1) != 1)
@@ -132,8 +150,11 @@ Result accuracy_run(const AccuracyPlan *plan, Accuracy *out) {
     Result result = create_runs(out);
     if (result == RESULT_OK)
         result = describe_given(out);
-    for (int dem = 0; dem < plan->dem_count && result == RESULT_OK; dem++)
+    for (int dem = 0; dem < out->plan.dem_count && result == RESULT_OK; dem++) {
         result = run_dem(out, dem, context);
+        if (out->interrupted)
+            leave_out(out, dem);
+    }
     context_destroy(&context);
     out->wall_s = (double)(clock_now_ns() - begin) * 1e-9;
     if (result == RESULT_MEMORY)
@@ -142,7 +163,8 @@ Result accuracy_run(const AccuracyPlan *plan, Accuracy *out) {
 }
 
 void accuracy_clear(Accuracy *accuracy) {
-    for (int i = 0; accuracy->runs && i < accuracy->run_count; i++) {
+    int of_dem = accuracy->plan.variant_count * accuracy->plan.tau_count;
+    for (int i = 0; accuracy->runs && i < accuracy->dems_planned * of_dem; i++) {
         free(accuracy->runs[i].frames);
         free(accuracy->runs[i].frame_ms);
     }

@@ -1,6 +1,8 @@
 // `overfly bench [SCENE|DEM]...`: what accuracy costs in time.
+#define _POSIX_C_SOURCE 200809L
 #include "app/accuracy/accuracy_report.h"
 #include "app/bench/bench.h"
+#include "app/signals.h"
 #include "base/log.h"
 
 #include <stdio.h>
@@ -41,6 +43,25 @@ static Result judge(const Accuracy *accuracy) {
     return RESULT_RANGE;
 }
 
+// What a signal leaves of it: a report of the models that were finished, if any.
+static Result run_until_signal(const AccuracyPlan *plan, Accuracy *accuracy) {
+    sigset_t before;
+    signals_hold(&before);
+    Result result = accuracy_run(plan, accuracy);
+    signals_restore(&before);
+    if (result == RESULT_OK && accuracy->interrupted)
+        log_warn("bench: interrupted; %d of %d models finished%s", accuracy->plan.dem_count, plan->dem_count,
+                 accuracy->plan.dem_count ? "" : ", so nothing is written");
+    return result;
+}
+
+static Result tell(const Accuracy *accuracy, const char *folder) {
+    if (accuracy->plan.dem_count == 0)
+        return RESULT_OK;
+    Result result = deliver(accuracy, folder);
+    return result == RESULT_OK ? judge(accuracy) : result;
+}
+
 Result bench_accuracy(const Options *options) {
     AccuracyPlan *plan = calloc(1, sizeof *plan);
     Accuracy *accuracy = calloc(1, sizeof *accuracy);
@@ -51,16 +72,17 @@ Result bench_accuracy(const Options *options) {
     if (result == RESULT_OK && !folder && !options_flag(options, OPTION_JSON))
         log_info("bench: a table only: no report is written without -o DIR");
     if (result == RESULT_OK)
-        result = accuracy_run(plan, accuracy);
+        result = run_until_signal(plan, accuracy);
     if (result == RESULT_OK)
-        result = deliver(accuracy, folder);
-    if (result == RESULT_OK)
-        result = judge(accuracy);
+        result = tell(accuracy, folder);
+    bool interrupted = accuracy && accuracy->interrupted;
     if (accuracy)
         accuracy_clear(accuracy);
     if (plan)
         accuracy_plan_clear(plan);
     free(accuracy);
     free(plan);
-    return result;
+    if (interrupted)
+        raise(SIGINT); // for a shell, which then ends what it was in
+    return interrupted && result == RESULT_OK ? RESULT_BUDGET : result;
 }

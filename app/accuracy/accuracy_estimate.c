@@ -12,20 +12,22 @@
 #define FRAMES_TRIED 4 // of a stretch
 
 // Its first frame, which is whole, and one of the others.
-static Result time_stretch(AccuracyPass *pass, const AccuracyRun *run, double *first_s, double *next_s) {
+static Result time_stretch(Accuracy *accuracy, AccuracyPass *pass, const AccuracyRun *run, double *first_s,
+                           double *next_s) {
     AccuracyRun tried = *run;
     int64_t begin = clock_now_ns();
-    Result result = accuracy_stretch(pass, 0, 1, &tried);
+    Result result = accuracy_stretch(accuracy, pass, 0, 1, &tried);
     int64_t middle = clock_now_ns();
     if (result == RESULT_OK)
-        result = accuracy_stretch(pass, 0, FRAMES_TRIED, &tried);
+        result = accuracy_stretch(accuracy, pass, 0, FRAMES_TRIED, &tried);
     *first_s = (double)(middle - begin) * 1e-9;
     *next_s = fmax((double)(clock_now_ns() - middle) * 1e-9 - *first_s, 0.0) / (FRAMES_TRIED - 1);
     return result;
 }
 
 // Adds how long all of the variant's takes.
-static Result measure_one(const AccuracyPlan *plan, const AccuracyDem *dem, const AccuracyRun *run, double *seconds) {
+static Result measure_one(Accuracy *accuracy, const AccuracyDem *dem, const AccuracyRun *run, double *seconds) {
+    const AccuracyPlan *plan = &accuracy->plan;
     AccuracyPass pass = {.lod = NULL};
     Measure measure;
     double first_s = 0.0, next_s = 0.0;
@@ -37,7 +39,7 @@ static Result measure_one(const AccuracyPlan *plan, const AccuracyDem *dem, cons
         result = measure_cut(pass.world->terrain, &pass.cut, pass.world->jobs, &measure);
     double frame_s = (double)(clock_now_ns() - begin) * 1e-9;
     if (result == RESULT_OK)
-        result = time_stretch(&pass, run, &first_s, &next_s);
+        result = time_stretch(accuracy, &pass, run, &first_s, &next_s);
     accuracy_pass_end(&pass);
     *seconds += plan->tau_count * (frame_s * dem->pose_count + first_s * plan->flight_count +
                                    next_s * (plan->stretch - 1) * plan->flight_count);
@@ -51,24 +53,25 @@ static void name_duration(double seconds, char out[32]) {
         snprintf(out, 32, "%.0f minutes", seconds / 60.0);
 }
 
-Result accuracy_estimate(const Accuracy *accuracy, int dem, double round_s) {
+Result accuracy_estimate(Accuracy *accuracy, int dem, double round_s) {
     const AccuracyPlan *plan = &accuracy->plan;
     Result result = RESULT_OK;
     double measure_s = 0.0;
     for (int i = 0; i < plan->variant_count && result == RESULT_OK; i++) { // of a tolerance in the middle
         int run = (dem * plan->variant_count + i) * plan->tau_count + plan->tau_count / 2;
-        result = measure_one(plan, &accuracy->dems[dem], &accuracy->runs[run], &measure_s);
+        result = measure_one(accuracy, &accuracy->dems[dem], &accuracy->runs[run], &measure_s);
     }
-    if (result != RESULT_OK)
+    if (result != RESULT_OK || accuracy->interrupted)
         return result;
     char one[32], all[32];
     name_duration(plan->rounds * round_s + measure_s, one);
     name_duration(plan->dem_count * (plan->rounds * round_s + measure_s), all);
-    const char *end = "nothing is written before the end; --frames and --tau make it shorter";
+    const char *end = "--frames and --tau make it shorter";
     if (plan->dem_count > 1)
-        log_info("bench: flying and measuring take about %s a model of this size, %s for all %d; %s", one, all,
-                 plan->dem_count, end);
+        log_info("bench: flying and measuring take about %s a model of this size, %s for all %d; interrupted, it tells "
+                 "of the finished ones; %s",
+                 one, all, plan->dem_count, end);
     else
-        log_info("bench: flying and measuring take about %s; %s", one, end);
+        log_info("bench: flying and measuring take about %s; nothing is written before the end; %s", one, end);
     return RESULT_OK;
 }

@@ -5,6 +5,9 @@
 #include "app/accuracy/accuracy.h"
 #include "base/arena.h"
 
+// Whether no signal came. Takes it.
+bool accuracy_goes_on(Accuracy *accuracy);
+
 // Loads the DEM with every kind of errors, times building them, plans its flights.
 MUST_USE Result accuracy_load(const AccuracyPlan *plan, int dem, AccuracyDem *out);
 void accuracy_unload(AccuracyDem *dem);
@@ -37,9 +40,9 @@ uint64_t accuracy_cut_outline(const LodCut *cut);
 // All rounds of one DEM's runs, interleaved.
 MUST_USE Result accuracy_time(Accuracy *accuracy, int dem, Context *context);
 // Logs how long all of it takes about, told what a round of the DEM took. What measuring fails with.
-MUST_USE Result accuracy_estimate(const Accuracy *accuracy, int dem, double round_s);
+MUST_USE Result accuracy_estimate(Accuracy *accuracy, int dem, double round_s);
 // Popping between so many successive frames in the middle of a flight, added to the run's. What measuring fails with.
-MUST_USE Result accuracy_stretch(AccuracyPass *pass, int flight, int frames, AccuracyRun *run);
+MUST_USE Result accuracy_stretch(Accuracy *accuracy, AccuracyPass *pass, int flight, int frames, AccuracyRun *run);
 // Every cut of one DEM's runs at every sample, and the stretches.
 MUST_USE Result accuracy_measure(Accuracy *accuracy, int dem);
 // Fill the summaries: times, [run of the DEM][round][pose]; then errors, after measuring. MEMORY.

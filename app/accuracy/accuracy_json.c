@@ -209,5 +209,6 @@ Json *accuracy_make_json(const Accuracy *accuracy) {
     accuracy_verdict(accuracy, verdict);
     json_add_text(json, "verdict", verdict);
     json_add_bool(json, "promises_held", accuracy_holds(accuracy));
+    json_add_bool(json, "interrupted", accuracy->interrupted);
     return json;
 }

@@ -37,13 +37,13 @@ static Result measure_frame(Measuring *m, const AccuracyPass *pass, AccuracyRun 
 static Result measure_run(Measuring *m, AccuracyRun *run) {
     AccuracyPass pass = {.lod = NULL};
     Result result = accuracy_pass_begin(&m->accuracy->plan, m->dem, run, 1, &pass);
-    for (int pose = 0; pose < m->dem->pose_count && result == RESULT_OK; pose++) {
+    for (int pose = 0; pose < m->dem->pose_count && result == RESULT_OK && accuracy_goes_on(m->accuracy); pose++) {
         result = accuracy_pass_refine(&pass, pose);
         if (result == RESULT_OK)
             result = measure_frame(m, &pass, run, pose);
     }
     for (int flight = 0; flight < m->accuracy->plan.flight_count && result == RESULT_OK; flight++)
-        result = accuracy_stretch(&pass, flight, m->accuracy->plan.stretch, run);
+        result = accuracy_stretch(m->accuracy, &pass, flight, m->accuracy->plan.stretch, run);
     accuracy_pass_end(&pass);
     return result;
 }
@@ -61,12 +61,12 @@ Result accuracy_measure(Accuracy *accuracy, int dem) {
     if (result == RESULT_MEMORY)
         log_error("bench: no memory to measure %d x %d samples", m.dem->width, m.dem->height);
     Progress progress = progress_begin("measuring");
-    for (int i = 0; i < runs && result == RESULT_OK; i++) {
+    for (int i = 0; i < runs && result == RESULT_OK && accuracy_goes_on(accuracy); i++) {
         result = measure_run(&m, &accuracy->runs[dem * runs + i]);
         progress_update(&progress, (double)(i + 1) / runs);
     }
     progress_end(&progress);
-    if (result == RESULT_OK)
+    if (result == RESULT_OK && !accuracy->interrupted)
         accuracy_summarize_errors(accuracy, dem);
     free(m.rise_m[0]);
     free(m.rise_m[1]);

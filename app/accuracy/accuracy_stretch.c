@@ -3,12 +3,13 @@
 
 #include <math.h>
 
-static Result fly_stretch(AccuracyPass *pass, int flight, int frames, MeasureStretch *stretch, AccuracyRun *run) {
+static Result fly_stretch(Accuracy *accuracy, AccuracyPass *pass, int flight, int frames, MeasureStretch *stretch,
+                          AccuracyRun *run) {
     const AccuracyPlan *plan = pass->plan;
     const Track *track = &pass->dem->tracks[flight];
     double begin_s = fmax((track_duration_s(track) - (frames - 1) / ACCURACY_FRAME_HZ) / 2.0, 0.0);
     Result result = RESULT_OK;
-    for (int i = 0; i < frames && result == RESULT_OK; i++) {
+    for (int i = 0; i < frames && result == RESULT_OK && accuracy_goes_on(accuracy); i++) {
         Viewpoint at = track_at(track, begin_s + i / ACCURACY_FRAME_HZ);
         MeasurePopping popping = {0};
         result = accuracy_pass_refine_at(pass, &at);
@@ -23,11 +24,11 @@ static Result fly_stretch(AccuracyPass *pass, int flight, int frames, MeasureStr
     return result;
 }
 
-Result accuracy_stretch(AccuracyPass *pass, int flight, int frames, AccuracyRun *run) {
+Result accuracy_stretch(Accuracy *accuracy, AccuracyPass *pass, int flight, int frames, AccuracyRun *run) {
     MeasureStretch *stretch = NULL;
     Result result = measure_stretch_create(pass->world->terrain, &stretch);
     if (result == RESULT_OK)
-        result = fly_stretch(pass, flight, frames, stretch, run);
+        result = fly_stretch(accuracy, pass, flight, frames, stretch, run);
     measure_stretch_destroy(&stretch);
     return result;
 }

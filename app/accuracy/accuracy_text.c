@@ -3,6 +3,7 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 static int64_t cracks_of(const AccuracySummary *s) {
     return s->t_junctions + s->holes + s->overlaps;
@@ -68,7 +69,17 @@ static void name_runs(int count, bool promise, char out[80]) {
         snprintf(out, 80, count == 1 ? "the one run has no bound" : "none of the %d runs has a bound", count);
 }
 
-void accuracy_verdict(const Accuracy *accuracy, char out[ACCURACY_TEXT_BYTES]) {
+// Behind the verdict of those that were.
+static void name_unfinished(const Accuracy *accuracy, char out[ACCURACY_TEXT_BYTES]) {
+    size_t used = strlen(out);
+    if (accuracy->interrupted)
+        snprintf(out + used, ACCURACY_TEXT_BYTES - used,
+                 " It was interrupted: of %d elevation models, %d could not be finished and %s not in it.",
+                 accuracy->dems_planned, accuracy->dems_planned - accuracy->plan.dem_count,
+                 accuracy->dems_planned - accuracy->plan.dem_count == 1 ? "is" : "are");
+}
+
+static void judge_runs(const Accuracy *accuracy, char out[ACCURACY_TEXT_BYTES]) {
     Tally tally = tally_of(accuracy);
     char runs[80];
     name_runs(tally.promised ? tally.promised : accuracy->run_count, tally.promised > 0, runs);
@@ -88,6 +99,11 @@ void accuracy_verdict(const Accuracy *accuracy, char out[ACCURACY_TEXT_BYTES]) {
                  "Every promise held: %s kept it, using up at most %.2f %% of it, and no "
                  "surface had a crack, in %" PRId64 " frames measured at every sample.",
                  runs, 100.0 * tally.most, frames_of(accuracy));
+}
+
+void accuracy_verdict(const Accuracy *accuracy, char out[ACCURACY_TEXT_BYTES]) {
+    judge_runs(accuracy, out);
+    name_unfinished(accuracy, out);
 }
 
 static void write_run(const Accuracy *accuracy, const AccuracyRun *run, FILE *to) {

@@ -76,7 +76,7 @@ static Result fly(Timing *timing, int run_of_dem, int round) {
     if (renderer)
         render_forget_patches(renderer);
     Result result = accuracy_pass_begin(plan, dem, run, ++timing->serial, &pass);
-    for (int pose = 0; pose < dem->pose_count && result == RESULT_OK; pose++)
+    for (int pose = 0; pose < dem->pose_count && result == RESULT_OK && accuracy_goes_on(accuracy); pose++)
         result = fly_frame(timing, &pass, run, round, pose, &times[pose]);
     timing->prepare_ms[run_of_dem * plan->rounds + round] = (double)pass.prepare_ns * 1e-6;
     accuracy_pass_end(&pass);
@@ -88,7 +88,7 @@ static Result fly_round(Timing *timing, int round) {
     const AccuracyPlan *plan = &timing->accuracy->plan;
     Result result = RESULT_OK;
     for (int tau = 0; tau < plan->tau_count; tau++)
-        for (int i = 0; i < plan->variant_count && result == RESULT_OK; i++) {
+        for (int i = 0; i < plan->variant_count && result == RESULT_OK && !timing->accuracy->interrupted; i++) {
             int variant = (i + round) % plan->variant_count;
             result = fly(timing, variant * plan->tau_count + tau, round);
         }
@@ -138,16 +138,16 @@ Result accuracy_time(Accuracy *accuracy, int dem, Context *context) {
     if (result == RESULT_OK && context)
         result = create_renderers(&timing);
     timing.progress = progress_begin("timing");
-    for (int round = 0; round < plan->rounds && result == RESULT_OK; round++) {
+    for (int round = 0; round < plan->rounds && result == RESULT_OK && accuracy_goes_on(accuracy); round++) {
         result = fly_round(&timing, round);
         if (result == RESULT_OK && round == 0 && dem == 0)
             result = accuracy_estimate(accuracy, dem, (double)(clock_now_ns() - timing.progress.begin_ns) * 1e-9);
     }
     progress_end(&timing.progress);
     destroy_renderers(&timing);
-    if (result == RESULT_OK)
+    if (result == RESULT_OK && !accuracy->interrupted)
         result = accuracy_summarize_times(accuracy, dem, timing.times);
-    if (result == RESULT_OK)
+    if (result == RESULT_OK && !accuracy->interrupted)
         summarize_beginnings(&timing);
     free(timing.times);
     free(timing.prepare_ms);
