@@ -4,16 +4,16 @@
 #include <pthread.h>
 #include <time.h>
 
-static void fill_leaving(sigset_t *set) {
-    sigemptyset(set);
-    sigaddset(set, SIGINT);
-    sigaddset(set, SIGTERM);
-}
+static const int LEAVING[] = {SIGINT, SIGTERM};
 
 void signals_hold(sigset_t *before) {
-    sigset_t leaving;
-    fill_leaving(&leaving);
-    pthread_sigmask(SIG_BLOCK, &leaving, before);
+    sigset_t held;
+    struct sigaction now;
+    sigemptyset(&held);
+    for (size_t i = 0; i < COUNT_OF(LEAVING); i++)
+        if (sigaction(LEAVING[i], NULL, &now) == 0 && now.sa_handler != SIG_IGN)
+            sigaddset(&held, LEAVING[i]);
+    pthread_sigmask(SIG_BLOCK, &held, before);
 }
 
 void signals_hold_all(sigset_t *before) {
@@ -26,9 +26,16 @@ void signals_restore(const sigset_t *before) {
     pthread_sigmask(SIG_SETMASK, before, NULL);
 }
 
-bool signals_leave_wanted(void) {
+int signals_take(void) {
     sigset_t leaving;
     struct timespec now = {0};
-    fill_leaving(&leaving);
-    return sigtimedwait(&leaving, NULL, &now) > 0;
+    sigemptyset(&leaving);
+    for (size_t i = 0; i < COUNT_OF(LEAVING); i++)
+        sigaddset(&leaving, LEAVING[i]);
+    int came = sigtimedwait(&leaving, NULL, &now);
+    return came > 0 ? came : 0;
+}
+
+bool signals_leave_wanted(void) {
+    return signals_take() != 0;
 }

@@ -6,10 +6,12 @@
 
 #include <signal.h>
 
-// From here on the two signals wait; `before` is for signals_restore.
+// From here on the two signals wait, but for those that are ignored (as in the background of a script); `before` is for
+// signals_restore.
 void signals_hold(sigset_t *before);
 void signals_restore(const sigset_t *before);
 // For threads about to be started: none of them shall take a signal.
 void signals_hold_all(sigset_t *before);
-// Whether one came since signals_hold. Takes it.
-bool signals_leave_wanted(void);
+// The one that came since signals_hold; 0: none. Takes it.
+int signals_take(void);
+bool signals_leave_wanted(void); // whether one came; takes it

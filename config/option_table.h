@@ -129,7 +129,7 @@
     X(VERTICES, "vertices", 0, INTEGER, "N", "100000", 10, 100000000, NULL, COMMAND_BENCH,                             \
       "partitions: refine for so many, unless --tau is given")                                                         \
     X(ROUNDS, "rounds", 0, INTEGER, "N", "5", 1, 1000, NULL, COMMAND_BENCH,                                            \
-      "of each measurement, interleaved; panel: 240 if not given")                                                     \
+      "of each measurement, interleaved; panel: 240 if not given, 5 at least")                                         \
     X(METHODS, "methods", 0, TEXT, "LIST", NULL, 0, 0, NULL, COMMAND_BENCH,                                            \
       "to set against each other, separated by commas; NAME:centre keeps tau at every sample")                         \
     X(ERRORS, "errors", 0, TEXT, "LIST", NULL, 0, 0, NULL, COMMAND_BENCH,                                              \

@@ -457,7 +457,7 @@ static void record_long(const Fixture *fixture, const char *path, uint32_t steps
     assert_int_equal(recording_writer_close(&writer), RESULT_OK);
 }
 
-static void any_moment_of_three_hours_is_near(void **state) {
+static void any_moment_of_three_hours_is_that_of_the_flight(void **state) {
     const Fixture *fixture = *state;
     char path[128];
     uint64_t random = 7;
@@ -537,7 +537,7 @@ int main(void) {
         cmocka_unit_test(between_two_steps_it_is_between_them),
         cmocka_unit_test(a_new_start_is_a_jump),
         cmocka_unit_test(a_track_of_it_has_its_places_and_its_jumps),
-        cmocka_unit_test(any_moment_of_three_hours_is_near),
+        cmocka_unit_test(any_moment_of_three_hours_is_that_of_the_flight),
         cmocka_unit_test(a_slow_disk_is_waited_for_where_time_does_not_matter),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -103,16 +103,19 @@ static void open_context(Accuracy *accuracy, Context **context) {
 }
 
 bool accuracy_goes_on(Accuracy *accuracy) {
-    accuracy->interrupted = accuracy->interrupted || signals_leave_wanted();
-    return !accuracy->interrupted;
+    int came = signals_take();
+    accuracy->signal = came ? came : accuracy->signal;
+    return accuracy->signal == 0;
 }
 
 static Result measure_dem(Accuracy *accuracy, int dem, Context *context) {
     Result result = accuracy_measure(accuracy, dem);
-    if (result == RESULT_OK && accuracy_goes_on(accuracy))
-        result = accuracy_keep_worst(accuracy, dem, context);
-    if (result == RESULT_OK && dem == 0 && accuracy_goes_on(accuracy))
+    if (result != RESULT_OK || !accuracy_goes_on(accuracy))
+        return result;
+    result = accuracy_keep_worst(accuracy, dem, context);
+    if (result == RESULT_OK && dem == 0)
         result = accuracy_scale(&accuracy->plan, &accuracy->dems[0], &accuracy->scaling);
+    accuracy->dems_finished += result == RESULT_OK;
     return result;
 }
 
@@ -122,7 +125,7 @@ static Result run_dem(Accuracy *accuracy, int dem, Context *context) {
         accuracy->threads = jobs_worker_count(accuracy->dems[dem].worlds[0].jobs);
     if (result == RESULT_OK)
         result = create_frames(accuracy, dem);
-    if (result == RESULT_OK)
+    if (result == RESULT_OK && accuracy_goes_on(accuracy))
         result = accuracy_time(accuracy, dem, context);
     if (result == RESULT_OK && accuracy_goes_on(accuracy))
         result = measure_dem(accuracy, dem, context);
@@ -131,9 +134,10 @@ static Result run_dem(Accuracy *accuracy, int dem, Context *context) {
 }
 
 // Tells of the finished ones alone.
-static void leave_out(Accuracy *accuracy, int dem) {
-    accuracy->plan.dem_count = dem;
-    accuracy->run_count = dem * accuracy->plan.variant_count * accuracy->plan.tau_count;
+static void leave_out_unfinished(Accuracy *accuracy) {
+    accuracy->interrupted = accuracy->dems_finished < accuracy->dems_planned;
+    accuracy->plan.dem_count = accuracy->dems_finished;
+    accuracy->run_count = accuracy->dems_finished * accuracy->plan.variant_count * accuracy->plan.tau_count;
 }
 
 Result accuracy_run(const AccuracyPlan *plan, Accuracy *out) {
@@ -150,11 +154,10 @@ Result accuracy_run(const AccuracyPlan *plan, Accuracy *out) {
     Result result = create_runs(out);
     if (result == RESULT_OK)
         result = describe_given(out);
-    for (int dem = 0; dem < out->plan.dem_count && result == RESULT_OK; dem++) {
+    for (int dem = 0; dem < plan->dem_count && result == RESULT_OK && accuracy_goes_on(out); dem++)
         result = run_dem(out, dem, context);
-        if (out->interrupted)
-            leave_out(out, dem);
-    }
+    if (result == RESULT_OK)
+        leave_out_unfinished(out);
     context_destroy(&context);
     out->wall_s = (double)(clock_now_ns() - begin) * 1e-9;
     if (result == RESULT_MEMORY)

@@ -184,8 +184,9 @@ typedef struct Accuracy {
     AccuracyDem dems[ACCURACY_DEMS_MAX];
     AccuracyRun *runs; // [dem][variant][tau]
     int run_count;
-    bool interrupted; // by a signal that waits: plan.dem_count, run_count are those of the DEMs that were finished
-    int dems_planned;
+    int signal; // that came while it ran; 0: none
+    int dems_planned, dems_finished;
+    bool interrupted; // not all were finished: plan.dem_count, run_count are those of the finished ones
     AccuracyWorst worst;
     AccuracyScaling scaling;
     char renderer[160]; // "": nothing was drawn
@@ -205,7 +206,8 @@ MUST_USE Result accuracy_plan(const Options *options, AccuracyPlan *out);
 void accuracy_plan_clear(AccuracyPlan *plan);
 // Runs the plan. What loading, refining, measuring or drawing fails with; logged. Without a GL context nothing is
 // drawn, and frames are refinement alone. Where signals are held (app/signals.h), one ends it within a frame, but for
-// the part about workers and preprocessing; with no DEM finished too that is no failure.
+// loading, the worst frame, and the part about workers and preprocessing, which are finished first. That is no failure,
+// with no DEM finished neither.
 MUST_USE Result accuracy_run(const AccuracyPlan *plan, Accuracy *out);
 void accuracy_clear(Accuracy *accuracy);
 

@@ -48,6 +48,8 @@ static Result run_until_signal(const AccuracyPlan *plan, Accuracy *accuracy) {
     sigset_t before;
     signals_hold(&before);
     Result result = accuracy_run(plan, accuracy);
+    for (int came; (came = signals_take()) != 0;) // what was measured is told first
+        accuracy->signal = came;
     signals_restore(&before);
     if (result == RESULT_OK && accuracy->interrupted)
         log_warn("bench: interrupted; %d of %d models finished%s", accuracy->plan.dem_count, plan->dem_count,
@@ -75,14 +77,14 @@ Result bench_accuracy(const Options *options) {
         result = run_until_signal(plan, accuracy);
     if (result == RESULT_OK)
         result = tell(accuracy, folder);
-    bool interrupted = accuracy && accuracy->interrupted;
+    int came = accuracy ? accuracy->signal : 0;
     if (accuracy)
         accuracy_clear(accuracy);
     if (plan)
         accuracy_plan_clear(plan);
     free(accuracy);
     free(plan);
-    if (interrupted)
-        raise(SIGINT); // for a shell, which then ends what it was in
-    return interrupted && result == RESULT_OK ? RESULT_BUDGET : result;
+    if (came)
+        raise(came); // for a shell, which then ends what it was in
+    return result;
 }

@@ -61,7 +61,7 @@ Result accuracy_estimate(Accuracy *accuracy, int dem, double round_s) {
         int run = (dem * plan->variant_count + i) * plan->tau_count + plan->tau_count / 2;
         result = measure_one(accuracy, &accuracy->dems[dem], &accuracy->runs[run], &measure_s);
     }
-    if (result != RESULT_OK || accuracy->interrupted)
+    if (result != RESULT_OK || !accuracy_goes_on(accuracy))
         return result;
     char one[32], all[32];
     name_duration(plan->rounds * round_s + measure_s, one);

@@ -210,5 +210,6 @@ Json *accuracy_make_json(const Accuracy *accuracy) {
     json_add_text(json, "verdict", verdict);
     json_add_bool(json, "promises_held", accuracy_holds(accuracy));
     json_add_bool(json, "interrupted", accuracy->interrupted);
+    json_add_integer(json, "dems_planned", accuracy->dems_planned);
     return json;
 }

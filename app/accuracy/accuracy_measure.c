@@ -66,7 +66,7 @@ Result accuracy_measure(Accuracy *accuracy, int dem) {
         progress_update(&progress, (double)(i + 1) / runs);
     }
     progress_end(&progress);
-    if (result == RESULT_OK && !accuracy->interrupted)
+    if (result == RESULT_OK && accuracy_goes_on(accuracy))
         accuracy_summarize_errors(accuracy, dem);
     free(m.rise_m[0]);
     free(m.rise_m[1]);

@@ -88,7 +88,7 @@ static Result fly_round(Timing *timing, int round) {
     const AccuracyPlan *plan = &timing->accuracy->plan;
     Result result = RESULT_OK;
     for (int tau = 0; tau < plan->tau_count; tau++)
-        for (int i = 0; i < plan->variant_count && result == RESULT_OK && !timing->accuracy->interrupted; i++) {
+        for (int i = 0; i < plan->variant_count && result == RESULT_OK && accuracy_goes_on(timing->accuracy); i++) {
             int variant = (i + round) % plan->variant_count;
             result = fly(timing, variant * plan->tau_count + tau, round);
         }
@@ -145,9 +145,9 @@ Result accuracy_time(Accuracy *accuracy, int dem, Context *context) {
     }
     progress_end(&timing.progress);
     destroy_renderers(&timing);
-    if (result == RESULT_OK && !accuracy->interrupted)
+    if (result == RESULT_OK && accuracy_goes_on(accuracy))
         result = accuracy_summarize_times(accuracy, dem, timing.times);
-    if (result == RESULT_OK && !accuracy->interrupted)
+    if (result == RESULT_OK && accuracy_goes_on(accuracy))
         summarize_beginnings(&timing);
     free(timing.times);
     free(timing.prepare_ms);

@@ -19,6 +19,6 @@ MUST_USE Result pad_setups_create(PadSetups **out); // MEMORY: logged
 void pad_setups_destroy(PadSetups **setups);        // NULL inside is accepted
 // For devices_create.
 DeviceHook pad_setups_hook(PadSetups *setups);
-// What was read of the pad that arrived in the slot, free() ends it. Opens files only where the pad was followed by
-// another one before this was called. NULL: no memory.
+// What was read of the pad that arrived in the slot, free() ends it. Opens files only where the slot had
+// another arrival since, or memory lacked. NULL: no memory.
 PadSetup *pad_setups_take(PadSetups *setups, int slot, const PadInfo *info);

@@ -24,7 +24,7 @@ typedef struct DeviceEvent {
 
 // What is to be done before a device is told of, which may take its time. `make`, NULL for nothing, is called by the
 // thread that found the device, before its DEVICE_ARRIVED can be taken, with no mutex held; several may call at once,
-// for different slots.
+// for different slots. On USB that thread reads all pads, whose reports wait meanwhile.
 typedef struct DeviceHook {
     void (*make)(void *user, int slot, const PadInfo *info);
     void *user;
