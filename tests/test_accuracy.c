@@ -64,7 +64,8 @@ typedef enum Harm { HARM_VERTEX, HARM_CRACK, HARM_TRIANGLE, HARM_HAIR } Harm;
 // A copy of a cut whose first fitting item is spoilt, until the next one is.
 typedef struct Spoiler {
     Harm harm;
-    int spoilt; // cuts
+    int only;         // of all cuts, from 1; 0: each
+    int seen, spoilt; // cuts
     LodItem *items;
     LodPage page;
     LodVertex *vertices;
@@ -142,6 +143,8 @@ static void spoil_item(Spoiler *s, const LodCut *cut, LodItem *item, int vertex)
 static void spoil(void *user, const Terrain *terrain, LodCut *cut) {
     Spoiler *s = user;
     spoiler_clear(s);
+    if (++s->seen != s->only && s->only)
+        return;
     s->items = malloc(sizeof *s->items * (size_t)cut->item_count);
     assert_non_null(s->items);
     memcpy(s->items, cut->items, sizeof *s->items * (size_t)cut->item_count);
@@ -272,6 +275,22 @@ static void test_a_vertex_moved_by_two_tolerances_is_condemned(void **state) {
     free(html);
     free(json);
     free(text);
+    bench_end(b);
+}
+
+// In the middle of the stretch, whose cuts are not measured otherwise.
+static void test_a_vertex_that_jumps_in_a_stretch_pops(void **state) {
+    const Bench *good = *state;
+    Spoiler spoiler = {.harm = HARM_VERTEX, .only = good->accuracy.dems[0].pose_count + ACCURACY_STRETCH_QUICK / 2};
+    Bench *b = spoilt_bench(&spoiler);
+    const AccuracySummary *s = &accuracy_run_at(&b->accuracy, 0, 0, 0)->summary;
+    double calm_px = accuracy_run_at(&good->accuracy, 0, 0, 0)->summary.popping_px;
+    print_message("popping %.3f px, expected 2 tau, %g px, and what it is without, %.3f px, at most beside it\n",
+                  s->popping_px, 2.0 * TAU, calm_px);
+    assert_int_equal(spoiler.spoilt, 1);
+    assert_true(fabs(s->popping_px - 2.0 * TAU) < calm_px + 0.01 && calm_px < TAU);
+    assert_int_equal(s->popping_pairs, accuracy_run_at(&good->accuracy, 0, 0, 0)->summary.popping_pairs);
+    assert_true(accuracy_holds(&b->accuracy)); // popping is not promised
     bench_end(b);
 }
 
@@ -455,6 +474,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_good_cuts_are_found_good),
         cmocka_unit_test(test_a_vertex_moved_by_two_tolerances_is_condemned),
+        cmocka_unit_test(test_a_vertex_that_jumps_in_a_stretch_pops),
         cmocka_unit_test(test_a_crack_is_condemned_however_thin),
         cmocka_unit_test(test_a_missing_triangle_is_condemned),
         cmocka_unit_test(test_what_is_tolerated_is_not_condemned),
