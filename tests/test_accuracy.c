@@ -443,7 +443,7 @@ static void test_a_signal_leaves_the_models_that_were_finished(void **state) {
             raise(SIGINT);
         bench_run(b);
         signals_restore(&before);
-        assert_true(b->accuracy.interrupted && b->accuracy.signal == SIGINT);
+        assert_true(accuracy_is_interrupted(&b->accuracy) && b->accuracy.signal == SIGINT);
         assert_int_equal(b->accuracy.plan.dem_count, finished);
         assert_int_equal(b->accuracy.run_count, finished);
         assert_int_equal(accuracy_holds(&b->accuracy), true);

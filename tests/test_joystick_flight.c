@@ -136,14 +136,20 @@ static void test_the_throttle_is_picked_up_softly(void **state) {
 
 // ---- Several, and none ----
 
-static void test_two_devices_fly_at_once(void **state) {
-    Cockpit *cockpit = FLY(state);
+// A stick's aileron and a pad's rudder and left brake, each all the way.
+static FakePad *fly_with_both(Cockpit *cockpit) {
     FakeStick *stick = cockpit_plug_stick(cockpit, 0, IDLE);
     FakePad *pad = cockpit_plug_pad(cockpit, 3);
     cockpit_fly(cockpit, 2);
     cockpit_move_stick(cockpit, stick, FULL, 0.0, IDLE, -1, 0);
     cockpit_move_pad(cockpit, pad, (FakePadHands){.right_x = -FULL, .left_trigger = 1.0});
     cockpit_fly(cockpit, 1);
+    return pad;
+}
+
+static void test_two_devices_fly_at_once(void **state) {
+    Cockpit *cockpit = FLY(state);
+    FakePad *pad = fly_with_both(cockpit);
     Controls both = cockpit_last(cockpit)->controls;
     cockpit_move_pad(cockpit, pad, (FakePadHands){.left_x = -FULL, .right_x = -FULL});
     cockpit_fly(cockpit, 31);
@@ -157,12 +163,7 @@ static void test_two_devices_fly_at_once(void **state) {
 
 static void test_pedals_that_leave_take_only_theirs_along(void **state) {
     Cockpit *cockpit = FLY(state);
-    FakeStick *stick = cockpit_plug_stick(cockpit, 0, IDLE);
-    FakePad *pad = cockpit_plug_pad(cockpit, 3);
-    cockpit_fly(cockpit, 2);
-    cockpit_move_stick(cockpit, stick, FULL, 0.0, IDLE, -1, 0);
-    cockpit_move_pad(cockpit, pad, (FakePadHands){.right_x = -FULL, .left_trigger = 1.0});
-    cockpit_fly(cockpit, 1);
+    FakePad *pad = fly_with_both(cockpit);
     fake_pad_unplug(pad);
     cockpit_wait(cockpit, DEVICE_LEFT, 1);
     cockpit_fly(cockpit, 1);

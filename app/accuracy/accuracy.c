@@ -135,7 +135,6 @@ static Result run_dem(Accuracy *accuracy, int dem, Context *context) {
 
 // Tells of the finished ones alone.
 static void leave_out_unfinished(Accuracy *accuracy) {
-    accuracy->interrupted = accuracy->dems_finished < accuracy->dems_planned;
     accuracy->plan.dem_count = accuracy->dems_finished;
     accuracy->run_count = accuracy->dems_finished * accuracy->plan.variant_count * accuracy->plan.tau_count;
 }
@@ -163,6 +162,10 @@ Result accuracy_run(const AccuracyPlan *plan, Accuracy *out) {
     if (result == RESULT_MEMORY)
         log_error("bench: not enough memory for %d runs", out->run_count);
     return result;
+}
+
+bool accuracy_is_interrupted(const Accuracy *accuracy) {
+    return accuracy->dems_finished < accuracy->dems_planned;
 }
 
 void accuracy_clear(Accuracy *accuracy) {

@@ -185,8 +185,8 @@ typedef struct Accuracy {
     AccuracyRun *runs; // [dem][variant][tau]
     int run_count;
     int signal; // that came while it ran; 0: none
+    // Where not all were finished, plan.dem_count and run_count are those of the finished ones.
     int dems_planned, dems_finished;
-    bool interrupted; // not all were finished: plan.dem_count, run_count are those of the finished ones
     AccuracyWorst worst;
     AccuracyScaling scaling;
     char renderer[160]; // "": nothing was drawn
@@ -210,6 +210,7 @@ void accuracy_plan_clear(AccuracyPlan *plan);
 // with no DEM finished neither.
 MUST_USE Result accuracy_run(const AccuracyPlan *plan, Accuracy *out);
 void accuracy_clear(Accuracy *accuracy);
+bool accuracy_is_interrupted(const Accuracy *accuracy); // whether not all DEMs were finished
 
 // Pixels a radian that the tolerances are of.
 double accuracy_px_per_rad(const AccuracyPlan *plan);

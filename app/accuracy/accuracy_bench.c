@@ -51,7 +51,7 @@ static Result run_until_signal(const AccuracyPlan *plan, Accuracy *accuracy) {
     for (int came; (came = signals_take()) != 0;) // what was measured is told first
         accuracy->signal = came;
     signals_restore(&before);
-    if (result == RESULT_OK && accuracy->interrupted)
+    if (result == RESULT_OK && accuracy_is_interrupted(accuracy))
         log_warn("bench: interrupted; %d of %d models finished%s", accuracy->plan.dem_count, plan->dem_count,
                  accuracy->plan.dem_count ? "" : ", so nothing is written");
     return result;

@@ -209,7 +209,7 @@ Json *accuracy_make_json(const Accuracy *accuracy) {
     accuracy_verdict(accuracy, verdict);
     json_add_text(json, "verdict", verdict);
     json_add_bool(json, "promises_held", accuracy_holds(accuracy));
-    json_add_bool(json, "interrupted", accuracy->interrupted);
+    json_add_bool(json, "interrupted", accuracy_is_interrupted(accuracy));
     json_add_integer(json, "dems_planned", accuracy->dems_planned);
     return json;
 }

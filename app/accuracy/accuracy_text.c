@@ -72,11 +72,11 @@ static void name_runs(int count, bool promise, char out[80]) {
 // Behind the verdict of those that were.
 static void name_unfinished(const Accuracy *accuracy, char out[ACCURACY_TEXT_BYTES]) {
     size_t used = strlen(out);
-    if (accuracy->interrupted)
+    int unfinished = accuracy->dems_planned - accuracy->dems_finished;
+    if (unfinished > 0)
         snprintf(out + used, ACCURACY_TEXT_BYTES - used,
                  " It was interrupted: of %d elevation models, %d could not be finished and %s not in it.",
-                 accuracy->dems_planned, accuracy->dems_planned - accuracy->plan.dem_count,
-                 accuracy->dems_planned - accuracy->plan.dem_count == 1 ? "is" : "are");
+                 accuracy->dems_planned, unfinished, unfinished == 1 ? "is" : "are");
 }
 
 static void judge_runs(const Accuracy *accuracy, char out[ACCURACY_TEXT_BYTES]) {
