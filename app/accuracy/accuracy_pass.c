@@ -2,6 +2,7 @@
 #include "app/bench/bench.h"
 #include "app/picture_options.h"
 #include "base/clock.h"
+#include "base/hash.h"
 
 #ifdef __GLIBC__
 #include <malloc.h>
@@ -74,17 +75,12 @@ Result accuracy_renderer(const AccuracyPlan *plan, const World *world, Renderer 
     return render_create(&options, world->terrain, out);
 }
 
-static uint64_t mix(uint64_t hash, uint64_t value) {
-    hash = (hash ^ value) * UINT64_C(0x9e3779b97f4a7c15);
-    return hash ^ hash >> 29;
-}
-
 uint64_t accuracy_cut_outline(const LodCut *cut) {
-    uint64_t hash = mix((uint64_t)cut->item_count, (uint64_t)cut->stats.triangles);
+    uint64_t hash = hash_mix((uint64_t)cut->item_count, (uint64_t)cut->stats.triangles);
     for (int32_t i = 0; i < cut->item_count; i++) {
         const LodItem *item = &cut->items[i];
-        hash = mix(hash, (uint64_t)(uint32_t)item->page->col0 << 32 | (uint32_t)item->page->row0);
-        hash = mix(hash, (uint64_t)item->level << 32 | (uint32_t)item->index_count);
+        hash = hash_mix(hash, (uint64_t)(uint32_t)item->page->col0 << 32 | (uint32_t)item->page->row0);
+        hash = hash_mix(hash, (uint64_t)item->level << 32 | (uint32_t)item->index_count);
     }
     return hash;
 }
@@ -93,11 +89,11 @@ uint64_t accuracy_cut_hash(const LodCut *cut) {
     uint64_t hash = accuracy_cut_outline(cut);
     for (int32_t i = 0; i < cut->item_count; i++) {
         const LodItem *item = &cut->items[i];
-        hash = mix(hash, (uint64_t)item->page->origin.x ^ (uint64_t)item->page->origin.z << 20);
+        hash = hash_mix(hash, (uint64_t)item->page->origin.x ^ (uint64_t)item->page->origin.z << 20);
         for (int32_t k = 0; k < item->index_count; k++) {
             const LodVertex *v = &item->page->vertices[item->indices[k]];
-            hash = mix(hash, (uint64_t)(uint32_t)v->x << 32 | (uint32_t)v->y);
-            hash = mix(hash, (uint64_t)(uint32_t)v->z << 32 | (uint32_t)v->col << 16 | v->row);
+            hash = hash_mix(hash, (uint64_t)(uint32_t)v->x << 32 | (uint32_t)v->y);
+            hash = hash_mix(hash, (uint64_t)(uint32_t)v->z << 32 | (uint32_t)v->col << 16 | v->row);
         }
     }
     return hash;

@@ -284,10 +284,8 @@ static void print_spread(const char *what, const Spread *spread, int count) {
 
 static void print_verdict(const Spread *cost) {
     const char *verdict = verdict_of(cost);
-    printf("the limit      %g %% of frame time: ", 100.0 * COST_LIMIT);
-    printf(strcmp(verdict, "undecided") == 0 ? "undecided; fly more rounds (--rounds), with nothing else running\n"
-                                             : "%s\n",
-           verdict);
+    printf("the limit      %g %% of frame time: %s%s\n", 100.0 * COST_LIMIT, verdict,
+           strcmp(verdict, "undecided") == 0 ? "; fly more rounds (--rounds), with nothing else running" : "");
 }
 
 static void print_text(const Bench *bench, const Spread *cost, const Spread *work) {

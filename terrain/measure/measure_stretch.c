@@ -1,6 +1,7 @@
 // Popping over many cuts: samples that a changed or a vanished item covers are looked at again, in all items of the new
 // cut that cover them, so that samples on the border of an unchanged item keep the highest of all. Rises are taken from
 // one place of the terrain instead of the eye, so that rounding moves nothing.
+#include "base/hash.h"
 #include "base/log.h"
 #include "base/pages.h"
 #include "terrain/lod/cut_copy.h"
@@ -41,11 +42,6 @@ typedef struct Adding {
 
 // ---- contents ----
 
-static uint64_t mix(uint64_t hash, uint64_t value) {
-    hash = (hash ^ value) * UINT64_C(0x9e3779b97f4a7c15);
-    return hash ^ hash >> 29;
-}
-
 static uint64_t hash_item(const LodItem *item) {
     const LodPage *page = item->page;
     uint64_t hash = (uint64_t)(uint32_t)item->index_count;
@@ -53,10 +49,10 @@ static uint64_t hash_item(const LodItem *item) {
         if (item->indices[k] >= page->vertex_count)
             continue;
         const LodVertex *v = &page->vertices[item->indices[k]];
-        hash = mix(hash, (uint64_t)(uint32_t)(page->col0 + v->col) << 32 | (uint32_t)(page->row0 + v->row));
-        hash = mix(hash, (uint64_t)(page->origin.x + v->x));
-        hash = mix(hash, (uint64_t)(page->origin.y + v->y));
-        hash = mix(hash, (uint64_t)(page->origin.z + v->z));
+        hash = hash_mix(hash, (uint64_t)(uint32_t)(page->col0 + v->col) << 32 | (uint32_t)(page->row0 + v->row));
+        hash = hash_mix(hash, (uint64_t)(page->origin.x + v->x));
+        hash = hash_mix(hash, (uint64_t)(page->origin.y + v->y));
+        hash = hash_mix(hash, (uint64_t)(page->origin.z + v->z));
     }
     return hash;
 }
